@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from trainer.identify.pages.sheet import sheet
 
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.cli.identify import identify
@@ -19,7 +20,6 @@ from trainer.identify.measurements import Samples
 from trainer.identify.minimise import unheard
 from trainer.identify.models import MODELS, Plant, Ship
 from trainer.identify.options import study_of
-from trainer.identify.pages.sheet import sheet
 from trainer.identify.problem import problem_of
 from trainer.identify.study import observe
 from trainer.identify.uncertainty import draw_parameters as draws

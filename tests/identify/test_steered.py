@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from helpers.places import ROOT
@@ -23,10 +24,10 @@ from trainer.identify.models import MODELS
 from trainer.identify.nomoto import NomotoFile, is_nomoto, key_table, load_nomoto, nomoto_text_of
 from trainer.identify.nonlinear import Bent
 from trainer.identify.pages.steering import of_nomoto, panels
-from trainer.identify.reference_ships import TANKER
 from trainer.identify.steering import Steered
 from trainer.identify.steering import steering as steering_of
 from trainer.units import DEGREE, KNOT
+from trainer.verify.cases.reference_ships import TANKER
 
 SPEED = 10.0 * KNOT
 PAGE = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
@@ -74,6 +75,18 @@ def test_a_bent_ship_turns_as_its_steady_equation_says(second: Any) -> None:
     assert dict(zip(ship.columns, ship.observe(), strict=True))["r"] == pytest.approx(r, rel=1e-9)
 
 
+def test_a_ship_with_bech_s_curve_turns_as_its_steady_helm_says() -> None:
+    curve = {"H1_s": 9.0, "H2_s2": -700.0, "H3_s3": -4e4}
+    ship = Steered(nomoto_file(K_per_s=0.11, T1_s=-300.0, T2_s=13.0, T3_s=33.0, **curve))
+    ship.start(SPEED)
+    ship.order("rudder", -0.3)  # to port
+    for _ in range(4000):
+        ship.advance()
+    r = dict(zip(ship.columns, ship.observe(), strict=True))["r"]
+    assert 9.0 * r - 700.0 * abs(r) * r - 4e4 * r**3 == pytest.approx(0.3, rel=1e-6)
+    assert r < 0.0
+
+
 def test_a_first_order_ship_follows_its_exponential() -> None:
     ship = Steered(nomoto_file(T2_s=0.0, T3_s=0.0, rudder_rate_deg_s=1000.0))
     ship.start(SPEED)
@@ -115,6 +128,21 @@ def test_a_nomoto_file_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert "kappa_s2" in key_table()
     path.write_text(path.read_text().replace("T1_s", "T1"))
     with pytest.raises(ConfigError, match=r"no such key; nearest is T1_s"):
+        load_nomoto(path)
+
+
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        ("H3_s3 = 5", "H3_s3 = 5: goes with H1_s, which is not given"),
+        ("H1_s = 5\nkappa_s2 = 9", "kappa_s2 = 9: stands in for H1_s: give one"),
+    ],
+)
+def test_half_a_curve_or_two_are_refused(tmp_path: Path, lines: str, told: str) -> None:
+    path = tmp_path / "ship.toml"
+    text = nomoto_text_of(nomoto_file(), "x", {})
+    path.write_text(text.replace("K_per_s", f"{lines}\nK_per_s"))
+    with pytest.raises(ConfigError, match=re.escape(told)):
         load_nomoto(path)
 
 
@@ -192,7 +220,7 @@ def test_the_spiral_of_an_unstable_ship_has_the_loop_of_its_kappa(tmp_path: Path
     reverse = flown("reverse-spiral", path)
     bent = Bent(0.114, -304.0, 13.4, 33.4, 1230.0)
     for share in ("67 %", "33 %", "17 %", "-17 %", "-33 %", "-67 %"):
-        held = float(bent.helm(reverse[f"yaw rate at {share}"]))  # type: ignore[arg-type]
+        (held,) = bent.helm(np.array([reverse[f"yaw rate at {share}"]]))
         assert reverse[f"rudder at {share}"] == pytest.approx(-held, abs=0.1 * DEGREE)
     assert reverse["rudder at 17 %"] < 0.0 < reverse["rudder at 67 %"]  # it must be held back
 

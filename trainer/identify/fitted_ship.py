@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, cast
+from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, Unpack, cast
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from trainer.identify.pages.identify import render, screens
 from trainer.identify.pages.results import Identified, ShipNumber, describe
 from trainer.identify.sources import OWN, Column, check_times, factor
 from trainer.identify.study import Study, observe, plain_study
-from trainer.identify.study_records import ParameterRow
+from trainer.identify.study_records import METHODS, MODELS, NOISES, ParameterRow
 from trainer.identify.validation import alone, other_problem, other_record
 
 if TYPE_CHECKING:
@@ -29,27 +29,49 @@ if TYPE_CHECKING:
 
 Frame = Mapping[str, Any] | str | Path
 FRAME: Final = Path("frame")  # what messages call a record of arrays
+CHOICES: Final = {
+    "model": MODELS,
+    "noise": NOISES,
+    "method": METHODS,
+    "positive_rudder": ("port", "starboard"),
+}
 UNSAID: Final = {"armax": False, "exact": False}
+
+
+class FitOptions(TypedDict, total=False):
+    """The keywords of ``fit``."""
+
+    length: float | None
+    speed: float | None
+    vessel: str | Path | None
+    outputs: Sequence[str]
+    columns: Mapping[str, str]
+    units: Mapping[str, str]
+    positive_rudder: Literal["port", "starboard"]
+    noise: Literal["covariance", "innovations", "output-error"] | None
+    method: Literal["scoring", "bfgs", "direct"] | None
+    start: Mapping[str, float]
+    fixed: Mapping[str, float]
+    every: int | None
+    begin: float | None
+    end: float | None
+
+
+USUAL: Final[FitOptions] = {
+    **dict.fromkeys(("length", "speed", "vessel", "noise", "method", "every", "begin", "end")),  # type: ignore[typeddict-item]
+    "outputs": (),
+    "columns": {},
+    "units": {},
+    "positive_rudder": "port",
+    "start": {},
+    "fixed": {},
+}
 
 
 def fit(
     frame: Frame,
     model: Literal["1", "2", "3", "nomoto1", "nomoto2"] | None = None,
-    *,
-    length: float | None = None,
-    speed: float | None = None,
-    vessel: str | Path | None = None,
-    outputs: Sequence[str] = (),
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
-    positive_rudder: Literal["port", "starboard"] = "port",
-    noise: Literal["covariance", "innovations", "output-error"] | None = None,
-    method: Literal["scoring", "bfgs", "direct"] | None = None,
-    start: Mapping[str, float] | None = None,
-    fixed: Mapping[str, float] | None = None,
-    every: int | None = None,
-    begin: float | None = None,
-    end: float | None = None,
+    **keywords: Unpack[FitOptions],
 ) -> "FittedShip":
     """Fit a ship to a record of rudder and motion by maximum likelihood, as ``trainer identify``.
 
@@ -71,29 +93,34 @@ def fit(
     Source: Astrom, Kallstrom, Norrbin and Bystrom, Lund 7431 (1974), with exact derivatives.
     """
     require_library("scipy", "identify")
-    options = {"model": model, "length": length, "knots": speed, "channels": tuple(outputs)}
-    options |= {"vessel": vessel and str(vessel), "noise": noise, "method": method}
-    options |= {"every": every, "begin": begin, "end": end, **UNSAID}
-    rows = [ParameterRow(name=name, start=value) for name, value in (start or {}).items()]
-    held = (fixed or {}).items()
-    rows += [ParameterRow(name=name, start=value, free="no") for name, value in held]
+    for name in keywords:
+        if name not in USUAL:
+            there = ", ".join(USUAL)
+            raise ConfigError(f"no keyword {name!r}{nearest(name, USUAL)}; there are {there}")
+    given: FitOptions = {**USUAL, **keywords}
+    options: dict[str, Any] = {**given, **UNSAID, "model": model}
+    for name, words in CHOICES.items():
+        if options[name] not in (None, *words):
+            raise ConfigError(f"{name} = {options[name]!r}: must be {' or '.join(words)}")
+    options |= {"knots": given["speed"], "channels": tuple(given["outputs"])}
+    options["vessel"] = given["vessel"] and str(given["vessel"])
     if isinstance(frame, str | Path):
-        study = study_of(Path(frame), options)
-        loaded = None
+        study, loaded = study_of(Path(frame), options), None
     else:
-        study = _study_of(frame, columns or {}, units or {}, positive_rudder)
+        study = _study_of(frame, given)
         loaded = _record_of(frame, study.columns)
         study = as_asked(study, options)
+    rows = [ParameterRow(name=name, start=x) for name, x in given["start"].items()]
+    rows += [ParameterRow(name=name, start=x, free="no") for name, x in given["fixed"].items()]
     study = replace(study, parameters=(*study.parameters, *rows))
     observed = observe(study, loaded)
     fitted = fitting.fit(study, observed.record, unheard)
-    return FittedShip(describe(fitted, tuple(map(str, observed.findings))), units or {})
+    return FittedShip(describe(fitted, tuple(map(str, observed.findings))), given["units"])
 
 
-def _study_of(
-    frame: Mapping[str, Any], columns: Mapping[str, str], units: Mapping[str, str], positive: str
-) -> Study:
+def _study_of(frame: Mapping[str, Any], given: FitOptions) -> Study:
     """Return the study of arrays; ConfigError for channels, columns or units that are none."""
+    columns, units = given["columns"], given["units"]
     channels = ("t", *CHANNELS)
     for name in (*columns, *units):
         if name not in channels:
@@ -110,7 +137,7 @@ def _study_of(
             scale = factor(channel, units[channel]) if channel in units else 1.0
             found[channel] = Column(there[0], scale)
     study = plain_study(FRAME)
-    heading = replace(study.heading, positive_rudder=positive)
+    heading = replace(study.heading, positive_rudder=given["positive_rudder"])
     return replace(study, path=FRAME, heading=heading, columns=found)
 
 

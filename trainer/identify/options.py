@@ -14,12 +14,12 @@ USUAL: Final = ("sway", "yaw_rate", "heading")
 
 
 def study_of(file: Path, options: dict[str, Any]) -> Study:
-    """Return the study of a file, changed as the options of ``trainer identify`` say."""
+    """Return the study of a file, or of a plain record, changed as the options say."""
     return as_asked(load_study(file) if file.suffix == ".toml" else plain_study(file), options)
 
 
 def as_asked(study: Study, options: dict[str, Any]) -> Study:
-    """Return the study, what the options say taken instead of what it says. ConfigError if wrong."""
+    """Return the study, changed as ``trainer identify``'s options say; ConfigError if wrong."""
     study = replace(study, heading=_heading(study.heading, options))
     if options["exact"]:
         study = replace(study, sensors=None)

@@ -1,5 +1,6 @@
 """How a ship steers by its file: gains, lever arms, steady turns and the loop."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,7 +36,7 @@ class AtSpeed:
     speed_kn: float
     numbers: dict[str, float]  # by UNITS, and T_imag
     levers_m: dict[str, float] | None  # of a vessel file
-    kappa_s2: float
+    helm: tuple[float, float, float]  # [s, s^2, s^3] H(r) of steady turns: 1/K, -kappa, 0
     neutral_deg: float  # residual helm
     stable: bool
     turns_deg_s: tuple[tuple[float, ...], ...]  # by HELMS, all rates that are steady
@@ -54,34 +55,34 @@ class Report:
 
 def of_vessel(file: VesselFile, speeds_kn: Sequence[float]) -> Report:
     """Return how a boat steers at ``speeds_kn``, by her vessel file; roll is left out."""
-    ships = [steering(file, knots * KNOT) for knots in speeds_kn]
-    rows = zip(speeds_kn, ships, strict=True)
-    found = tuple(_at_speed(knots, one.nomoto, one.levers) for knots, one in rows)
-    return Report(file.name, file.hull.length, HELMS, found)
+    found = []
+    for knots in speeds_kn:
+        ship = steering(file, knots * KNOT)
+        bent = Bent(ship.nomoto.K, 0.0, 0.0, 0.0)
+        found.append(_at_speed(knots, ship.nomoto, bent, ship.levers))
+    return Report(file.name, file.hull.length, HELMS, tuple(found))
 
 
 def of_nomoto(path: Path) -> Report:
-    """Return how a Nomoto ship steers, with her kappa."""
+    """Return how a Nomoto ship steers, with kappa or Bech's H(r)."""
     ship = load_nomoto(path)
     T1, T2 = complex(ship.T1_s), complex(ship.T2_s)
     form = Nomoto(ship.K_per_s, T1, T2, ship.T3_s, ship.K_v_m_s or 0.0, ship.T3v_s or 0.0)
-    more = ship.kappa_s2 or 0.0, ship.neutral_deg or 0.0
-    found = _at_speed(ship.speed_kn, form, None, *more)
-    return Report(ship.name, ship.length_m, HELMS, (found,))
+    H = None if ship.H1_s is None else (ship.H1_s, ship.H2_s2 or 0.0, ship.H3_s3 or 0.0)
+    neutral = (ship.neutral_deg or 0.0) * DEGREE
+    bent = Bent(ship.K_per_s, 0.0, 0.0, 0.0, ship.kappa_s2 or 0.0, neutral, H)
+    return Report(ship.name, ship.length_m, HELMS, (_at_speed(ship.speed_kn, form, bent),))
 
 
-def _at_speed(
-    knots: float, form: Nomoto, arms: Levers | None, kappa: float = 0.0, neutral: float = 0.0
-) -> AtSpeed:
-    """Return how a ship of these numbers steers, ``neutral`` [deg] its residual helm."""
-    bent = Bent(form.K, form.T1.real, form.T2.real, form.T3, kappa, neutral * DEGREE)
+def _at_speed(knots: float, form: Nomoto, bent: Bent, arms: Levers | None = None) -> AtSpeed:
+    """Return how a ship of these numbers steers."""
     numbers = [form.K, form.T1.real, form.T2.real, form.T3, form.K_v, form.T3v]
     return AtSpeed(
         speed_kn=knots,
         numbers=dict(zip(UNITS, map(float, numbers), strict=True)) | {"T_imag": form.T1.imag},
         levers_m=None if arms is None else _named(arms),
-        kappa_s2=kappa,
-        neutral_deg=neutral,
+        helm=bent.curve,
+        neutral_deg=bent.delta_0 / DEGREE,
         stable=form.T1.real > 0.0,
         turns_deg_s=tuple(
             tuple(rate / DEGREE for rate in bent.rates(helm * DEGREE)) for helm in HELMS
@@ -137,8 +138,10 @@ def _numbers(report: Report, one: AtSpeed) -> list[str]:
         for name, unit, value in told
         if value
     ]
-    if one.kappa_s2:
-        rows.append(("kappa", "s^2", f"{one.kappa_s2:.5g}", f"{one.kappa_s2 * (V / L) ** 2:.4g}"))
+    for power, value in enumerate(one.helm, 1):
+        if any(one.helm[1:]):
+            unit = "s" if power == 1 else f"s^{power}"
+            rows.append((f"H{power}", unit, f"{value:.5g}", f"{value * (V / L) ** power:.4g}"))
     return table(("", "unit", "value", "prime"), rows)
 
 
@@ -169,7 +172,7 @@ def panels(report: Report) -> tuple[Panel, ...]:
 
 def _curve(one: AtSpeed) -> Curve:
     """Return the rudder (12.1) over all rates that up to the largest of HELMS makes."""
-    bent = Bent(one.numbers["K"], 0.0, 0.0, 0.0, one.kappa_s2, one.neutral_deg * DEGREE)
+    bent = Bent(math.nan, 0.0, 0.0, 0.0, delta_0=one.neutral_deg * DEGREE, H=one.helm)
     most = max(abs(rate) for rates in one.turns_deg_s for rate in rates) * DEGREE
     rates = np.linspace(-most, most, CURVE)
     name = f"{one.speed_kn:.4g} kn"
