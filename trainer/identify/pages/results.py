@@ -30,26 +30,16 @@ from trainer.identify.prediction_error import MultiStep
 from trainer.identify.residuals import Residuals, aic_of_likelihood, examine_residuals, verdicts
 from trainer.identify.study import Study, observe
 from trainer.identify.study_records import Ship
+from trainer.identify.uncertainty import intervals
 from trainer.identify.validation import Check, bend_of, check_of, loss_alone
 from trainer.units import KNOT
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """One number and its standard deviation, None where the record does not tell."""
+    """One number, its standard deviation and its 95 % interval.
 
-    name: str
-    unit: str
-    value: float
-    deviation: float | None
-
-
-@dataclass(frozen=True)
-class ShipNumber:
-    """A gain or time constant, its standard deviation, and its 95 % interval by draws.
-
-    None where the record does not tell. Where the two differ the interval is right: the number
-    bends with the parameters.
+    None where the record does not tell. Where the two differ the interval is right.
     """
 
     name: str
@@ -58,6 +48,10 @@ class ShipNumber:
     deviation: float | None
     low: float | None
     high: float | None
+
+
+class ShipNumber(Estimate):
+    """A gain or time constant, its interval by draws: it bends with the parameters."""
 
 
 @dataclass(frozen=True)
@@ -245,14 +239,13 @@ def _finite(value: float) -> float | None:
 
 def _parameters(fitted: Fitted) -> tuple[Estimate, ...]:
     """Return the estimated parameters, unscaled."""
-    parameters, problem = fitted.problem.plant.model.parameters, fitted.problem
-    numbers = zip(
-        problem.free, fitted.found.theta, fitted.known.deviations, problem.scale, strict=True
-    )
-    return tuple(
-        Estimate(parameters[i].name, parameters[i].unit, float(x * by), _finite(s * by))
-        for i, x, s, by in numbers
-    )
+    problem, theta, known = fitted.problem, fitted.found.theta, fitted.known.deviations
+    every = np.column_stack([theta, known, intervals(problem, theta, known)])
+    found = []
+    for place, (value, *rest) in zip(problem.free, every * problem.scale[:, None], strict=True):
+        one = problem.plant.model.parameters[place]
+        found.append(Estimate(one.name, one.unit, float(value), *map(_finite, rest)))
+    return tuple(found)
 
 
 def _ship(fitted: Fitted, others: Allowed) -> tuple[ShipNumber, ...]:
