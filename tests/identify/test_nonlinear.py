@@ -1,13 +1,18 @@
 """Large manoeuvres by linear constants and kappa, or by Bech's H(r)."""
 
+import json
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
 from trainer.identify.measurements import Record
+from trainer.identify.nomoto import load_nomoto
 from trainer.identify.nonlinear import (
     CURVE,
     LINEAR,
@@ -21,9 +26,9 @@ STABLE = Bent(-0.05, 40.0, 8.0, 15.0, 400.0)
 UNSTABLE = Bent(0.114, -304.0, 13.4, 33.4, 1230.0)  # A K Fernstrom, section 8
 
 
-def record_of(ship: Any, rudder: Any, step: Any = 2.0, noise: Any = 0.0) -> Any:
+def record_of(ship: Any, rudder: Any, step: Any = 2.0, noise: Any = 0.0, seed: int = 4) -> Any:
     run = predict(ship, rudder, step, np.zeros(2))
-    rate = run[:, 0] + noise * np.random.default_rng(4).standard_normal(len(rudder))
+    rate = run[:, 0] + noise * np.random.default_rng(seed).standard_normal(len(rudder))
     t = step * np.arange(len(rudder))
     return Record(
         source="run", t=t, rudder=rudder, yaw_rate=rate, rows=np.arange(len(t)) + 1, names={}
@@ -137,7 +142,7 @@ def test_h_comes_back_from_a_manoeuvre_of_an_unstable_ship() -> None:
 
 @pytest.mark.parametrize("ship", [STABLE, UNSTABLE])
 def test_kappa_and_the_linear_constants_come_back_together_from_two_records(ship: Any) -> None:
-    records = [record_of(ship, helm(angle), noise=1e-4) for angle in (5.0, 25.0)]
+    records = [record_of(ship, helm(angle), noise=1e-4, seed=int(angle)) for angle in (5, 25)]
     wrong = ship.changed((*LINEAR, "kappa"), [1.2 * x for x in (*ship.numbers[:4], ship.kappa)])
     found = bend_from_records(wrong, records, (*LINEAR, "kappa"))
     assert list(found.deviations) == [*LINEAR, "kappa", "delta_0"]
@@ -167,3 +172,86 @@ def test_kappa_wants_one_interval() -> None:
     t[10:] += 1.0
     with pytest.raises(ConfigError, match="this one varies"):
         kappa_of(STABLE, replace(record, t=t))
+
+
+def trial(folder: Path, name: str, angle: float, ship: Any = STABLE) -> Path:
+    """Write a record of a zig-zag of helm as CSV, yaw rate noisy; return its path."""
+    record = record_of(ship, helm(angle, 300, 30), noise=1e-4, seed=int(angle))
+    table = np.column_stack([record.t, record.rudder, record.column("yaw_rate")])
+    np.savetxt(folder / name, table, delimiter=",", header="t,helm,rate", comments="")
+    return folder / name
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: Any) -> Path:
+    """Return the study of a small zig-zag, beside a large one and a spiral."""
+    folder = tmp_path_factory.mktemp("large")
+    trial(folder, "small.csv", 2.0)
+    trial(folder, "large.csv", 25.0)
+    turns = np.column_stack([STABLE.helm(RATES), RATES])
+    np.savetxt(folder / "turns.csv", turns, delimiter=",", header="helm,rate", comments="")
+    units = {"t": "s", "rudder": "rad", "yaw_rate": "rad/s"}
+    columns = {"t": "t", "rudder": "helm", "yaw_rate": "rate"}
+    rows = [
+        f'[[columns]]\nchannel = "{name}"\ncolumn = "{columns[name]}"\nunit = "{unit}"\n'
+        for name, unit in units.items()
+    ]
+    head = 'schema = "identify/1"\nname = "zig-zag"\ndata = "small.csv"\n'
+    tail = "[ship]\nlength_m = 120\nspeed_kn = 12\n"
+    tail += '[model]\nkind = "nomoto2"\noutputs = ["yaw_rate"]\nrestarts = 2\n'
+    path = folder / "study.toml"
+    path.write_text("\n".join([head, *rows, tail]))
+    return path
+
+
+def ran(study: Path, *options: Any) -> Any:
+    return CliRunner().invoke(identify, [str(study), *map(str, options)])
+
+
+@pytest.mark.parametrize(
+    ("options", "free"),
+    [
+        (("--kappa", "large.csv"), ["kappa"]),
+        (("--kappa", "large.csv", "--joint"), [*LINEAR, "kappa"]),
+        (("--bech", "large.csv"), [*CURVE]),
+        (("--spiral", "turns.csv"), ["H1", "H2"]),
+    ],
+)
+def test_every_way_to_a_curve_is_told_written_and_sails(
+    study: Path, tmp_path: Path, options: Any, free: Any
+) -> None:
+    option, name, *more = options
+    written, page = tmp_path / "ship.toml", tmp_path / "fit.html"
+    files = ("--write-nomoto", written, "--html", page)
+    result = ran(study, option, study.parent / name, *more, *files, "--json")
+    assert result.exit_code in (0, 1), result.output  # 1: so gentle a record may not settle
+    bend = json.loads(result.stdout)["bend"]
+    assert list(bend["deviations"]) == [*free, "delta_0"]
+    ship = load_nomoto(written)
+    rate = np.array([0.012])
+    by_file = sum(x * r for x, r in zip(ship.bend, (0.012, 0.012**2, 0.012**3), strict=True))
+    # K differs from K by its error, and the curve stands for it where it is whole
+    assert by_file / ship.K_per_s == pytest.approx(STABLE.helm(rate)[0], rel=0.1)
+    assert ">Large manoeuvre</a>" in page.read_text()
+    terms = {one["name"] for one in json.loads(result.stdout)["terms"]}
+    assert ("K delta" in terms) == (option != "--spiral")
+
+
+def test_the_page_tells_the_curve_and_its_rms(study: Path) -> None:
+    page = ran(study, "--spiral", study.parent / "turns.csv").stdout
+    assert "rms error of helm" in page
+    assert "H2           s^2" in page
+    assert "Loop:" not in page
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--joint",), "--joint goes with --kappa or --bech"),
+        (("--kappa", "large.csv", "--spiral", "turns.csv"), "one curve of steady turns, not two"),
+        (("--kappa", "large.csv", "--model", "nomoto1"), "kappa goes with K, T1, T2 and T3"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(study: Path, options: Any, told: str) -> None:
+    whole = [study.parent / one if one.endswith(".csv") else one for one in options]
+    assert told in str(ran(study, *whole).exception)

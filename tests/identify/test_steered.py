@@ -134,8 +134,8 @@ def test_a_nomoto_file_is_read_as_it_was_written(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("lines", "told"),
     [
-        ("H3_s3 = 5", "H3_s3 = 5: goes with H1_s, which is not given"),
-        ("H1_s = 5\nkappa_s2 = 9", "kappa_s2 = 9: stands in for H1_s: give one"),
+        ("H3_s3 = 5", "H3_s3 = 5.0: goes with H1_s, which is not given"),
+        ("H1_s = 5\nkappa_s2 = 9", "kappa_s2 = 9.0: stands in for H1_s: give one"),
     ],
 )
 def test_half_a_curve_or_two_are_refused(tmp_path: Path, lines: str, told: str) -> None:

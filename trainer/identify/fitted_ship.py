@@ -80,13 +80,14 @@ def fit(
     ``heading``, ``sway``, ``bow_sway``, ``stern_sway``, ``speed``; NaN is a missing reading. They
     are SI and radians, unless ``units`` says otherwise (``{"rudder": "deg"}``), under these names
     or those of a recording (``delta_r``, ``r``, ``psi``, ``v``, ``u``), unless ``columns`` does
-    (``{"rudder": "helm"}``). A positive rudder turns the ship to port.
+    (``{"rudder": "helm"}``). A positive rudder turns to port, or as ``positive_rudder`` says.
 
     ``model``: 1 is sway and yaw, 2 sway, 3 yaw, ``nomoto1`` K/(1 + T s), ``nomoto2`` K(1 + T3 s)/
-    ((1 + T1 s)(1 + T2 s)). ``length`` [m] and ``speed`` [kn] scale it, ``vessel`` is a boat with
-    both; without a speed it is the record's mean. ``outputs`` are what is fitted, else all that the
-    model has. ``start`` and ``fixed`` are numbers of parameters to begin from and to hold. One
-    sample of ``every`` is taken, from ``begin`` to ``end`` [s].
+    ((1 + T1 s)(1 + T2 s)). ``length`` [m] and ``speed`` [kn] scale it; a ``vessel`` has a length,
+    and Model 1's start; without a speed it is the record's mean. ``outputs`` are what is fitted,
+    else all that the model has. ``noise`` and ``method`` are those of a study. ``start`` and
+    ``fixed`` are numbers of parameters to begin from and to hold. One sample of ``every`` is taken,
+    from ``begin`` to ``end`` [s].
 
     TrainerError naming what is wrong: a column that lacks, times that do not rise, a rudder that
     never moves, parameters that the record cannot separate. Look at ``converged`` and ``doubt``.

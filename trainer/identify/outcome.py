@@ -297,7 +297,7 @@ def _matrices(fitted: Fitted, name: str, theta: Numbers) -> Matrices:
     usual = int(np.bincount(which).argmax())
     heads = ({"Phi": n, "G0": inputs, "G": inputs, "g": 1}, {"C": n, "D0": inputs, "D": inputs})
     sampled = _parts(mean[usual], n, heads[0], {**heads[1], "d": 1})
-    sampled |= _parts(spread[usual], n, {"R1": n, "R12": len(outputs)}, {"R21": n, "R2": -1})
+    sampled |= _parts(spread[usual], n, {"R1": n, "R12": len(outputs)}, {"": n, "R2": -1})
     return Matrices(
         of=name,
         states=states,
@@ -323,7 +323,8 @@ def _parts(
         at = 0
         for name, width in widths.items():
             end = rows.shape[1] if width < 0 else at + width
-            found[name] = rows[:, at:end].tolist()
+            if name:
+                found[name] = rows[:, at:end].tolist()
             at = end
     return found
 

@@ -26,6 +26,7 @@ __all__ = ["carry_out", "render", "screens", "sheet"]
 
 BAND: Final = 1.96  # standard deviations
 MOST: Final = 4  # panels that a screen has
+MATRICES: Final = "Matrices"
 FREQUENCIES: Final = 80  # of a Bode figure
 BEND_UNITS: Final = {"T1": "s", "T2": "s", "T3": "s", "K": "1/s", "kappa": "s^2"} | {
     "H1": "s",
@@ -102,7 +103,7 @@ def _term_table(report: Report) -> list[str]:
 
 def _matrix_lines(found: Matrices) -> list[str]:
     """Return the matrices row by row."""
-    lines = [f"{INDENT}Matrices, {found.of}; states {', '.join(found.states)}, SI; outputs "]
+    lines = [f"{INDENT}{MATRICES}, {found.of}; states {', '.join(found.states)}, SI; outputs "]
     lines[0] += ", ".join(found.outputs)
     for part in ("continuous", "sampled", "initial", "final"):
         lines.append(f"{INDENT}{part}:")
@@ -255,7 +256,8 @@ def _record(identified: Identified) -> Iterator[Panel]:
     fitted, run = identified.fitted, identified.run
     samples, t = fitted.problem.samples, fitted.problem.samples.t
     predicted = alone(fitted.problem, fitted.found.theta)
-    helm = (Curve("rudder", t, samples.inputs[:, 0]),)
+    steps = np.repeat(t, 2)[1:], np.repeat(samples.inputs[:, 0], 2)[:-1]  # held between samples
+    helm = (Curve("rudder", *steps),)
     yield Panel("rudder, positive to port", "time [s]", "[deg]", helm)
     for i, output in enumerate(identified.report.outputs):
         band = BAND * float(np.nanstd(run.errors[:, i]))
@@ -367,13 +369,14 @@ def sheet(title: str, text: str, screens: Iterable[Screen], report: Any) -> str:
 
     It needs no other file. The same report gives the same bytes.
     """
-    heading, _, rest = text.partition("\n")
-    numbers = Markup('<pre class="listing">{}</pre>\n').format(rest)
-    parts = [("Numbers", numbers)]
+    (heading, _, rest), listing = text.partition("\n"), Markup('<pre class="listing">{}</pre>\n')
+    rest, *matrices = rest.split(f"\n\n{INDENT}{MATRICES}, ")
+    parts = [("Numbers", listing.format(rest))]
     for screen in screens:
         drawn = html.charts(map(_figure, screen.panels))
         rows = Markup('<div class="rows{}">{}</div>').format((len(screen.panels) + 1) // 2, drawn)
         parts.append((screen.title, rows))
+    parts += [(f"{MATRICES} {i}", listing.format(words)) for i, words in enumerate(matrices, 1)]
     directions = getattr(report, "eigenvalues", ())
     if directions:
         parts.append(("Known least", _directions(directions)))
