@@ -140,6 +140,7 @@ def hessian(cost: Cost, theta: Numbers) -> Numbers:
 
 
 WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
+WIDEST: Final = 50.0  # [-] logarithm of the widest interval's half
 RATIOS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")  # coefficients
 
 
@@ -154,7 +155,7 @@ def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
     scaled = (ratio | np.isin(problem.kinds, ("variance", "error"))) & (theta != 0.0)
     share = WIDTH * deviations / np.where(scaled, np.abs(theta), 1.0)
     ways = np.array([-1.0, 1.0])
-    factors = theta[:, None] * np.exp(np.minimum(share, 700.0)[:, None] * ways)
+    factors = theta[:, None] * np.exp(np.minimum(share, WIDEST)[:, None] * ways)
     straight = theta[:, None] + WIDTH * deviations[:, None] * ways
     return np.sort(np.where(scaled[:, None], factors, straight), axis=1)
 
