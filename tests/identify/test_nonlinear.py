@@ -174,12 +174,11 @@ def test_kappa_wants_one_interval() -> None:
         kappa_of(STABLE, replace(record, t=t))
 
 
-def trial(folder: Path, name: str, angle: float, ship: Any = STABLE) -> Path:
-    """Write a record of a zig-zag of helm as CSV, yaw rate noisy; return its path."""
-    record = record_of(ship, helm(angle, 300, 30), noise=1e-4, seed=int(angle))
+def trial(folder: Path, name: str, angle: float) -> None:
+    """Write a record of the stable ship's zig-zag of helm as CSV, yaw rate noisy."""
+    record = record_of(STABLE, helm(angle, 300, 30), noise=1e-4, seed=int(angle))
     table = np.column_stack([record.t, record.rudder, record.column("yaw_rate")])
     np.savetxt(folder / name, table, delimiter=",", header="t,helm,rate", comments="")
-    return folder / name
 
 
 @pytest.fixture(scope="module")
@@ -199,7 +198,7 @@ def study(tmp_path_factory: Any) -> Path:
     head = 'schema = "identify/1"\nname = "zig-zag"\ndata = "small.csv"\n'
     tail = "[ship]\nlength_m = 120\nspeed_kn = 12\n"
     tail += '[model]\nkind = "nomoto2"\noutputs = ["yaw_rate"]\nrestarts = 2\n'
-    path = folder / "study.toml"
+    path: Path = folder / "study.toml"
     path.write_text("\n".join([head, *rows, tail]))
     return path
 

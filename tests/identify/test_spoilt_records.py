@@ -133,10 +133,19 @@ def logs(factor: float) -> Callable[[Columns], None]:
 DEGREE = math.pi / 180.0
 KNOT = 1852.0 / 3600.0
 TWICE = np.sort(np.append(np.arange(400), 60))
+
+
+def another_row(columns: Columns) -> None:
+    """Put a row in between, at the time of the one before it but with another yaw rate."""
+    pick(TWICE)(columns)
+    columns["yaw_rate"][61] += 1e-3
+
+
 REFUSED = {
     "one time repeated": (put("t", 40, 78.0), {}, r"row 42: time = 78 s is repeated"),
     "a falling time": (put("t", 40, 3.0), {}, r"row 42: time = 3 s is before 78 s"),
     "a row twice": (pick(TWICE), {}, r"row 63: time = 120 s is repeated"),
+    "a row more": (another_row, {}, r"row 63: time = 120 s is repeated"),
     "all rows twice": (pick(np.repeat(np.arange(400), 2)), {}, r"row 3: time = 0 s is repeated"),
     "a time missing": (put("t", 9, math.nan), {}, r"row 11: time has no value"),
     "a rudder missing": (put("rudder", 9, math.nan), {}, r"row 11: helm: .* it is empty"),

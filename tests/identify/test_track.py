@@ -116,6 +116,7 @@ def test_a_track_gives_sway_and_yaw_rate(tmp_path: Path, cells: Any, unit: str) 
     assert record.sway[2:-2] == pytest.approx(sway[2:-2], abs=2e-3)
     rate = 0.025 * np.cos(0.05 * record.t)
     assert record.yaw_rate[2:-2] == pytest.approx(rate[2:-2], abs=1e-5)
+    assert "sway" in load_study(tmp_path / "study.toml").channels
     assert any("sway is that of this track, over the ground" in str(f) for f in found.findings)
 
 

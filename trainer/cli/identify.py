@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 CHANNELS: Final = ("sway", "yaw_rate", "heading")
 RECORD: Final = File(".toml", ".trainer", ".csv")
+SYSTEM: Final = File(".toml", ".py")
 TURNS: Final = File(".toml", ".csv")
 POSITIVE: Final = Number(0.0, 1e6, min_open=True)
 
@@ -205,6 +206,14 @@ model_options = together(
         help="Minimiser. [default: scoring, by BFGS where it gets no further]",
     ),
     click.option("--exact", is_flag=True, help="Add no sensor noise to a recording's exact state."),
+    click.option("--system", type=SYSTEM, default=None, help="Your own: matrices, or a program."),
+    click.option(
+        "--reject",
+        type=Number(0.0, 0.5, min_open=True),
+        default=None,
+        metavar="P",
+        help="Leave samples out that are less probable.",
+    ),
     click.option("--every", type=click.IntRange(1, 1000), default=None, help="Thin the record."),
     click.option("--from", "begin", type=Number(), default=None, help="First second."),
     click.option("--to", "end", type=Number(), default=None, help="Last second."),
@@ -212,8 +221,10 @@ model_options = together(
 
 
 @click.command(cls=Deeper)
-@click.argument("file", type=RECORD, required=False)
+@click.argument("files", type=RECORD, nargs=-1, metavar="FILE [RECORD]...")
 @model_options
+@click.option("--simulate", is_flag=True, help="Estimate nothing: the model as it starts.")
+@click.option("--data-only", is_flag=True, help="Show and plot the record alone.")
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
 @click.option("--most", type=click.IntRange(1, 10), default=None, help="Highest ARMAX order.")
 @click.option("--against", type=click.Choice(MODELS), help="Test it against a simpler model.")
@@ -240,14 +251,15 @@ model_options = together(
 @click.option("--selftest", is_flag=True, help="Run the acceptance tests of identification.")
 @outputs
 def identify(
-    file: Path | None,
+    files: tuple[Path, ...],
     selftest: bool,  # noqa: FBT001
     example: str | None,
     **options: Any,
 ) -> None:
     """Identify a ship from a record of helm and motion (LISPID).
 
-    FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it.
+    FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it. Further
+    records are of the same ship, and are fitted together with the first.
     `trainer identify new RECORD` writes a study of any CSV file.
 
     \b
@@ -266,12 +278,14 @@ def identify(
 
         sys.exit(0 if run_selftest(click.echo) else 1)
     if example is not None:
-        file = _example(file, example)
-    if file is None:
+        files = (_example(files, example),)
+    if not files:
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
     from trainer.identify.options import study_of  # noqa: PLC0415
 
-    study = study_of(file, options)
+    study = study_of(files[0], {**options, "further": files[1:]})
+    if options["data_only"]:
+        sys.exit(_data(study, options))
     if options["armax"]:
         sys.exit(_armax(study, options))
     sys.exit(_model(study, options))
@@ -304,11 +318,11 @@ def new(record: Path, output: Path | None, length: float | None, knots: float | 
     click.echo(f"{lacking}fit it by: trainer identify {path}")
 
 
-def _example(file: Path | None, folder: str) -> Path:
+def _example(files: tuple[Path, ...], folder: str) -> Path:
     """Return the study shipped as an example, copied to a folder if one is given."""
     from trainer.config.files import ConfigError, read_text, shipped, write_once  # noqa: PLC0415
 
-    if file is not None:
+    if files:
         raise click.UsageError("--example has a record of its own: give no FILE")
     study = shipped("records", "example")
     if not folder:
@@ -335,6 +349,15 @@ def _announcing() -> Iterator[None]:
     yield
     with contextlib.suppress(OSError):
         compiled.touch()
+
+
+def _data(study: Any, options: dict[str, Any]) -> int:
+    """Show a record alone; return the exit code."""
+    from trainer.identify.pages import record as page  # noqa: PLC0415
+
+    report, screens = page.carry_out(study)
+    show(report, page.render, lambda: screens, options)
+    return 0
 
 
 def _armax(study: Any, options: dict[str, Any]) -> int:

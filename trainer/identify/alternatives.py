@@ -88,8 +88,8 @@ def _test_smaller(fitted: Fitted, smaller: Study, name: str) -> Rival:
     table = table_of(smaller)
     if (table.predict_from or 1, table.predict_to or 1) != (1, 1):
         raise ConfigError("order tests need the likelihood: predict one step, not more")
-    other = fit(smaller, fitted.record, unheard)
-    count, own = len(other.problem.free), len(fitted.problem.free)
+    other = fit(smaller, fitted.record, unheard, others=fitted.others)
+    count, own = len(other.problem.names), len(fitted.problem.names)
     test = ratio_test((other.log_likelihood, count), (fitted.log_likelihood, own))
     return Rival(
         name=name,
@@ -156,11 +156,11 @@ class Allowed:
         return self._band(self.problem, None)
 
     def response(self, inputs: Numbers) -> Band:
-        """Return what the rudder ``inputs`` (n,) [deg] does to the outputs, every interval."""
+        """Return what ``inputs`` (n, u), a rudder [deg], do to the outputs, every interval."""
         t = np.arange(len(inputs), dtype=np.float64) * self.problem.plant.period
         still = np.zeros((len(inputs), len(self.problem.plant.outputs)))
-        under = self.problem.on(Samples(t, still, inputs[:, None]))
-        return self._band(under, under.on(Samples(t, still, np.zeros((len(t), 1)))))
+        under = self.problem.on(Samples(t, still, inputs))
+        return self._band(under, under.on(Samples(t, still, np.zeros_like(inputs))))
 
     def bode(self, omega: Numbers) -> tuple[tuple[str, ...], Band, Band]:
         """Return outputs, gain [dB] and phase [deg] at ``omega`` (w,) [rad/s], rudder to starboard.
@@ -200,12 +200,11 @@ def draw_allowed(fitted: Fitted) -> Allowed:
     covariance = np.nan_to_num(fitted.known.covariance, nan=0.0)
     theta = fitted.found.theta
     every = _draw_parameters(problem.names, theta, covariance)
-    numbers, spans = span_draws(
-        lambda one: quantities(plant.model, problem.whole(one), plant.ship), every
-    )
+    numbers, spans = span_draws(lambda one: quantities(plant, problem.whole(one)), every)
     if np.isnan(fitted.told.covariance).any():
         spans = Span(*(np.full_like(end, math.nan) for end in spans))
-    swing = numbers[:, fitted.quantity_names.index("T_imag")]
+    swinging = "T_imag" in fitted.quantity_names
+    swing = numbers[:, fitted.quantity_names.index("T_imag")] if swinging else np.zeros(1)
     return Allowed(problem, every, spans, float(np.mean(swing != 0.0)))
 
 

@@ -6,8 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.models import Model, Ship
+from trainer.identify.models import Model, Plant, Ship
 from trainer.identify.nomoto import (
     Nomoto,
     Transfer,
@@ -44,7 +45,10 @@ def nomoto_of(model: Model, values: Numbers, ship: Ship) -> Nomoto:
     """Return gains and time constants [SI] of a model's parameters (n,), wind eliminated (3.3, 5).
 
     What a model does not have is zero: sway with Models 3 and Nomoto's, yaw with Model 2.
+    ConfigError for a user's own system.
     """
+    if model.name not in _KINDS:
+        raise ConfigError(f"model {model.name} is no ship with K and T")
     named = dict(zip(model.names, map(float, values), strict=True))
     return _KINDS[model.name](named, ship)
 
@@ -120,9 +124,15 @@ def derivatives(model: Model, values: Numbers) -> Numbers:
     return np.array([*own, -p["Y_delta"] * p["l_delta"]])
 
 
-def quantities(model: Model, values: Numbers, ship: Ship) -> Numbers:
-    """Return derivatives, if the model has such, and the numbers of QUANTITIES [SI]."""
-    ship_like = nomoto_of(model, values, ship)
+def quantities(plant: Plant, values: Numbers) -> Numbers:
+    """Return derivatives, if the model has such, and the numbers of QUANTITIES [SI].
+
+    Of a user's own system, what it tells.
+    """
+    model = plant.model
+    if model.system is not None:
+        return model.system.tell(plant, values)
+    ship_like = nomoto_of(model, values, plant.ship)
     T1, T2 = ship_like.T1, ship_like.T2
     told = [
         ship_like.K,
@@ -137,11 +147,14 @@ def quantities(model: Model, values: Numbers, ship: Ship) -> Numbers:
         (T1 * T2).real,
         (1.0 / T1).real if T1 else math.inf,
         1.0 / ship_like.K if ship_like.K else 0.0,
-        *arms_of(model, values, ship),
+        *arms_of(model, values, plant.ship),
     ]
     return np.concatenate([derivatives(model, values), told])
 
 
-def quantity_names(model: Model) -> tuple[str, ...]:
-    """Return the names of what ``quantities`` returns."""
-    return (*(DERIVATIVES if model.name == "1" else ()), *QUANTITIES)
+def quantity_units(model: Model) -> dict[str, str]:
+    """Return the names of what ``quantities`` returns, and units."""
+    if model.system is not None:
+        return dict(model.system.quantities)
+    derivatives_of = DERIVATIVES if model.name == "1" else ()
+    return dict.fromkeys(derivatives_of, "-") | QUANTITIES

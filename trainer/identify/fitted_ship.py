@@ -125,18 +125,19 @@ def _study_of(frame: Mapping[str, Any], given: FitOptions) -> Study:
     channels = ("t", *CHANNELS)
     for name in (*columns, *units):
         if name not in channels:
-            there = ", ".join(channels)
-            raise ConfigError(f"no channel {name!r}{nearest(name, channels)}; there are {there}")
+            every = ", ".join(channels)
+            raise ConfigError(f"no channel {name!r}{nearest(name, channels)}; there are {every}")
     found = {}
     for channel in channels:
         names = [columns[channel]] if channel in columns else [channel, OWN.get(channel, channel)]
-        there = [name for name in names if name in _names(frame)]
-        if not there and (channel in columns or channel in ("t", "rudder")):
+        column = next((name for name in names if name in _names(frame)), None)
+        if column is not None:
+            unit = units.get(channel, "s" if channel == "t" else CHANNELS.get(channel))
+            factor(channel, str(unit))
+            found[channel] = Column(column, unit)
+        elif channel in columns or channel in ("t", "rudder"):
             known = ", ".join(map(str, _names(frame)))
             raise ConfigError(f"frame: no column {names[0]!r} for {channel}; it has {known}")
-        if there:
-            scale = factor(channel, units[channel]) if channel in units else 1.0
-            found[channel] = Column(there[0], scale)
     study = plain_study(FRAME)
     heading = replace(study.heading, positive_rudder=given["positive_rudder"])
     return replace(study, path=FRAME, heading=heading, columns=found)
@@ -150,7 +151,7 @@ def _names(frame: Mapping[str, Any]) -> list[str]:
 
 def _record_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> Record:
     """Return the record in arrays, SI; ConfigError naming a column that cannot be used."""
-    taken: dict[str, Numbers] = {}
+    taken: dict[str, Any] = {}
     for channel, column in columns.items():
         # the index of a pandas frame is no column of it
         found = frame[column.name] if column.name in frame else cast("Any", frame).index
@@ -158,7 +159,7 @@ def _record_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> Recor
         if values.dtype.kind == "M":
             values = (values - values[0]) / np.timedelta64(1, "s")
         try:
-            taken[channel] = np.asarray(values, float) * column.scale
+            taken[channel] = np.asarray(values, float) * factor(channel, str(column.unit))
         except (TypeError, ValueError) as error:
             raise ConfigError(f"frame: {column.name}: is no array of numbers: {error}") from None
         size = taken[next(iter(taken))].shape

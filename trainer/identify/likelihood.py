@@ -47,26 +47,22 @@ class Score(NamedTuple):
 
     cost: float
     gradient: Numbers
-    rows: tuple[Numbers, ...]
+    rows: tuple[tuple[Numbers, Numbers], ...]  # of each run
 
 
 @dataclass(frozen=True, eq=False)
 class Likelihood:
-    """Minus the log-likelihood by covariances: a cost to minimise over a problem's parameters."""
+    """Minus the log-likelihood by covariances: a cost to minimise over a problem's parameters.
+
+    That of several runs is the sum of theirs.
+    """
 
     problem: Problem
     _last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def value(self, theta: Numbers) -> float:
         """Return -log L [-]."""
-        sampled = self.problem.sampled(theta)
-        if not possible(sampled):
-            return math.inf
-        samples = self.problem.samples
-        sums = np.empty(4)
-        likelihood_sums(*sampled.at(0), samples.table, samples.steps[1], sums)
-        cost = 0.5 * (sums[0] + sums[1] + sums[3] * LOG_2_PI)
-        return float(cost) if math.isfinite(cost) else math.inf
+        return sum(_cost(run, theta[at]) for run, at in self.problem.runs)
 
     def slope(self, theta: Numbers) -> tuple[float, Numbers]:
         """Return the cost and its exact gradient (f,)."""
@@ -76,34 +72,53 @@ class Likelihood:
     def information(self, theta: Numbers) -> Numbers:
         """Return the expected information (f, f); not a number where the model is impossible."""
         score = self._score(theta)
-        scale, count = self.problem.scale, len(theta)
-        if not score.rows:
-            return np.full((count, count), math.nan)
-        return np.asarray(sum(map(_gram, score.rows)) * np.outer(scale, scale))
+        if not math.isfinite(score.cost):
+            return np.full((len(theta), len(theta)), math.nan)
+        total = np.zeros((len(theta), len(theta)))
+        for rows, (_, at) in zip(score.rows, self.problem.runs, strict=True):
+            total[np.ix_(at, at)] += sum(map(_gram, rows))
+        return total * np.outer(self.problem.scale, self.problem.scale)
 
     def _score(self, theta: Numbers) -> Score:
         """Return what one run tells; a search asks for gradient and information of one place."""
         key = theta.tobytes()
         if self._last.get("key") != key:
-            self._last.update(key=key, score=self._run(theta))
+            runs = [_score(run, theta[at]) for run, at in self.problem.runs]
+            gradient = np.zeros(len(theta))
+            for one, (_, at) in zip(runs, self.problem.runs, strict=True):
+                gradient[at] += one.gradient
+            cost = sum(one.cost for one in runs)
+            score = Score(cost, gradient, tuple(rows for one in runs for rows in one.rows))
+            self._last.update(key=key, score=score)
         found: Score = self._last["score"]
         return found
 
-    def _run(self, theta: Numbers) -> Score:
-        sampled, samples, count = self.problem.sloped(theta), self.problem.samples, len(theta)
-        impossible = Score(math.inf, np.full(count, math.nan), ())
-        if not possible(sampled):
-            return impossible
-        length, readings = samples.outputs.shape
-        errors = np.empty((length, readings, count))
-        covariances = np.empty((length, readings * readings, count))
-        slope = np.empty(count)
-        out = errors, covariances, slope
-        stages, cost = score_rows(
-            sampled.at(0), sampled.slopes(), samples.table, samples.steps[1], out
-        )
-        if not stages:
-            return impossible
-        constant = 0.5 * np.count_nonzero(~np.isnan(samples.outputs)) * LOG_2_PI
-        rows = errors.reshape(-1, count), covariances[:stages].reshape(-1, count)
-        return Score(float(cost + constant), slope * self.problem.scale, rows)
+
+def _cost(problem: Problem, theta: Numbers) -> float:
+    """Return -log L of one run."""
+    sampled, samples = problem.sampled(theta), problem.samples
+    if not possible(sampled):
+        return math.inf
+    sums = np.empty(4)
+    likelihood_sums(*sampled.at(0), samples.table, samples.steps[1], sums)
+    cost = 0.5 * (sums[0] + sums[1] + sums[3] * LOG_2_PI)
+    return float(cost) if math.isfinite(cost) else math.inf
+
+
+def _score(problem: Problem, theta: Numbers) -> Score:
+    """Return cost, gradient and rows of one run."""
+    sampled, samples, count = problem.sloped(theta), problem.samples, len(theta)
+    impossible = Score(math.inf, np.full(count, math.nan), ())
+    if not possible(sampled):
+        return impossible
+    length, readings = samples.outputs.shape
+    errors = np.empty((length, readings, count))
+    covariances = np.empty((length, readings * readings, count))
+    slope = np.empty(count)
+    out = errors, covariances, slope
+    stages, cost = score_rows(sampled.at(0), sampled.slopes(), samples.table, samples.steps[1], out)
+    if not stages:
+        return impossible
+    constant = 0.5 * np.count_nonzero(~np.isnan(samples.outputs)) * LOG_2_PI
+    rows = errors.reshape(-1, count), covariances[:stages].reshape(-1, count)
+    return Score(float(cost + constant), slope * problem.scale, (rows,))

@@ -126,13 +126,14 @@ def states_of(problem: Problem) -> tuple[str, ...]:
     return STATES.get(model.name, tuple(f"x{i + 1}" for i in range(model.states)))
 
 
-def errors_of(fitted: Fitted) -> Shown:
-    """Return the one-step errors of a fit, by the predictor that was fitted."""
-    problem, cost, theta = fitted.problem, fitted.cost, fitted.found.theta
+def errors_of(fitted: Fitted, number: int = 0) -> Shown:
+    """Return the one-step errors of a run, by the predictor that was fitted."""
+    problem, at = fitted.problem.runs[number]
+    cost, theta = fitted.cost, fitted.found.theta[at]
     run = run_filter(problem, theta, no_limits(len(problem.plant.outputs)))
     if not isinstance(cost, Innovations):
         return run
-    errors = cost.errors(theta)
+    errors = cost.errors(fitted.found.theta, number)
     whole = errors[~np.isnan(errors).any(axis=1)]
     R = whole.T @ whole / len(whole)
     gains = cost.gains(problem, problem.sampled(theta).as_complex())
@@ -168,6 +169,8 @@ def terms_of(fitted: Fitted, states: Numbers) -> Series:
     Of Model 1 forces and moments in its system, by derivative; of others accelerations, SI.
     """
     problem, model = fitted.problem, fitted.problem.plant.model
+    if model.system is not None:
+        return {}
     drift = problem.plant.blocks(fitted.values[None]).drift[0]
     names, count = states_of(problem), model.states
     rows = drift[:count].copy()
@@ -220,16 +223,18 @@ def sizes_of(series: Series) -> tuple[Term, ...]:
     )
 
 
-def series_of(fitted: Fitted) -> dict[str, Numbers]:
-    """Return the columns of a fit, a number for each sample; NaN where there is none.
+def series_of(fitted: Fitted, number: int = 0) -> dict[str, Numbers]:
+    """Return the columns of a run, a number for each sample; NaN where there is none.
 
     Time [s], rudder [deg]; of each output the reading, the model by rudder alone, its error, the
     prediction one step ahead and the residual, in the model's units; the states that are predicted,
     SI; the terms; and why a sample does not count, a place in REASONS.
     """
-    problem, run = fitted.problem, errors_of(fitted)
-    samples, model = problem.samples, alone(problem, fitted.found.theta)
-    found = {"t_s": samples.t, "rudder_deg": samples.inputs[:, 0]}
+    (problem, at), run = fitted.problem.runs[number], errors_of(fitted, number)
+    samples, model = problem.samples, alone(problem, fitted.found.theta[at])
+    own = problem.plant.model.system
+    inputs = zip(own.inputs if own else ("rudder_deg",), samples.inputs.T, strict=True)
+    found = {"t_s": samples.t, **dict(inputs)}
     for i, output in enumerate(problem.plant.outputs):
         reading = samples.outputs[:, i]
         columns = {
@@ -239,24 +244,29 @@ def series_of(fitted: Fitted) -> dict[str, Numbers]:
             "predicted": run.predictions[:, i],
             "residual": run.errors[:, i],
         }
-        unit = UNITS[output][0].replace("/", "_")
-        found |= {f"{output}_{name}_{unit}": column for name, column in columns.items()}
+        unit = "" if own else "_" + UNITS[output][0].replace("/", "_")
+        found |= {f"{output}_{name}{unit}": column for name, column in columns.items()}
     names = states_of(problem)
     found |= {f"state_{name}": run.states[:, i] for i, name in enumerate(names)}
-    for (equation, term, _), part in terms_of(fitted, run.states).items():
+    terms = {} if number else terms_of(fitted, run.states)  # of the first run
+    for (equation, term, _), part in terms.items():
         found[f"{equation} {term}".replace(" ", "_")] = part
     return found | {"flag": run.flags.astype(float)}
 
 
 def write_series(fitted: Fitted, path: Path) -> None:
     """Write the columns of a fit as CSV, a missing number empty; ConfigError if it cannot be."""
-    columns = series_of(fitted)
+    runs = [series_of(fitted, number) for number in range(len(fitted.problem.runs))]
+    names = [*(["run"] if fitted.others else []), *runs[0]]
     try:
         with replacing(path) as made, made.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(columns)
-            for row in np.column_stack(list(columns.values())):
-                writer.writerow(["" if math.isnan(x) else f"{x:.10g}" for x in row])
+            writer.writerow(names)
+            for number, columns in enumerate(runs, 1):
+                nothing = np.full(len(columns["t_s"]), math.nan)
+                told = {"run": np.full(len(nothing), float(number)), **columns}
+                for row in np.column_stack([told.get(name, nothing) for name in names]):
+                    writer.writerow(["" if math.isnan(x) else f"{x:.10g}" for x in row])
     except OSError as error:
         raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from error
 

@@ -1,4 +1,7 @@
-"""A study proposed from a record: columns by their names and units, for its user to correct."""
+"""A study proposed from a record, for its user to correct.
+
+Columns are told by their names and units.
+"""
 
 import difflib
 import json
@@ -73,9 +76,9 @@ class Proposal:
 
 
 def write_proposal(data: Path, path: Path, length: float | None, speed: float | None) -> Proposal:
-    """Write the study proposed for a record, of a ship [m], [kn], to a new file. ConfigError.
+    """Write the study proposed for a record to a new file.
 
-    Neither another file is written over, nor a study without a rudder written.
+    ConfigError if the file is there, or nothing looks like the rudder.
     """
     guessed: dict[str, str] = {}
     own = data.suffix == SUFFIX

@@ -33,6 +33,7 @@ OWN: Final = {  # columns of the trainer, SI and radians
     "sway": "v",
     "speed": "u",
 }
+PLAIN: Final = "-"  # unit of a column that is taken as it stands
 FEWEST: Final = 20  # rows, to judge a clock
 REPEATS: Final = 3  # times and
 SHARE: Final = 0.02  # of the times that must be repeated before a clock counts as rounded
@@ -41,7 +42,7 @@ SLACK: Final = 0.6  # [-] of what a clock is rounded to, that a time may be off
 
 @dataclass(frozen=True)
 class Column:
-    """The source of a channel: its column, and its unit, None for that which the file says."""
+    """The source of a channel: its column and unit; None: what the file says."""
 
     name: str
     unit: str | None
@@ -76,12 +77,14 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
     if len(rows) < 2:
         raise ConfigError(f"{path}: has {len(rows)} rows of numbers; needs 2 or more")
     times = taken.pop("t", np.arange(len(rows), dtype=float))
+    plain = {name: taken.pop(name) for name, one in columns.items() if one.unit == PLAIN}
     record = Record(
         source=str(path),
         t=times,
         rows=np.array(rows),
         names={channel: column.name for channel, column in columns.items()},
         told=tuple(Finding(path.name, 0, text) for text in told),
+        plain=plain,
         **taken,
     )
     record = rebuild_times(record)
@@ -89,7 +92,7 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
     return record
 
 
-Taken = tuple[Sequence[int], dict[str, Numbers], list[str]]  # rows, channels in SI, what to tell
+Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
 
 
 def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
@@ -112,6 +115,8 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
 def _take(table: Table, channel: str, column: Column, told: list[str]) -> Numbers:
     """Return a channel in SI; ConfigError if it has no unit, or a cell is no number."""
     place = table.place(column.name)
+    if column.unit == PLAIN:
+        return table.numbers(place)
     if channel == "t" and table.is_clock(place):
         return table.seconds(place)
     said, known = table.units[place], units_of(channel)
@@ -144,7 +149,8 @@ def _read_recording(path: Path, columns: Mapping[str, Column]) -> Taken:
                 f"{path}: no column {quote(column.name)} for {channel}"
                 f"{nearest(column.name, names)}; it has {', '.join(names)}"
             )
-        place, scale = names.index(column.name), factor(channel, column.unit or "")
+        place = names.index(column.name)
+        scale = 1.0 if column.unit == PLAIN else factor(channel, column.unit or "")
         taken[channel] = scale * np.array([row[place] for row in cells])
     return ticks, taken, []
 

@@ -111,12 +111,8 @@ def inseparable(problem: Problem) -> tuple[tuple[str, ...], ...]:
 
 def _together(problem: Problem) -> tuple[tuple[str, ...], ...]:
     """Return initial states and variances of the same state that are both free."""
-    model, free = problem.plant.model, set(problem.free)
-    return tuple(
-        (model.names[model.start + i], model.names[model.start_covariance + i])
-        for i in range(model.states)
-        if {model.start + i, model.start_covariance + i} <= free
-    )
+    free = set(problem.names)
+    return tuple(pair for pair in problem.plant.model.paired if free.issuperset(pair))
 
 
 def hessian(cost: Cost, theta: Numbers) -> Numbers:
@@ -151,7 +147,8 @@ def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
     and time constants are their products and ratios. The deviation of such a number grows with it:
     twice as much to either side would hold too little above, and too much below.
     """
-    ratio = np.isin(problem.names, RATIOS) & (np.abs(theta) > WIDTH * deviations)
+    names = RATIOS if problem.plant.model.system is None else ()
+    ratio = np.isin(problem.names, names) & (np.abs(theta) > WIDTH * deviations)
     scaled = (ratio | np.isin(problem.kinds, ("variance", "error"))) & (theta != 0.0)
     share = WIDTH * deviations / np.where(scaled, np.abs(theta), 1.0)
     ways = np.array([-1.0, 1.0])

@@ -9,7 +9,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import nomoto_of
 from trainer.identify.fitting import Fitted
-from trainer.identify.kernels.simulation import simulate
+from trainer.identify.kernels.screening import simulate
 from trainer.identify.likelihood import possible
 from trainer.identify.measurements import Record, Samples, samples_of
 from trainer.identify.nonlinear import (
@@ -22,7 +22,7 @@ from trainer.identify.nonlinear import (
 )
 from trainer.identify.prediction_error import Innovations
 from trainer.identify.problem import Problem
-from trainer.identify.start_values import ERRORS, STATES
+from trainer.identify.start_values import STATES
 from trainer.identify.study import load_study, observe
 
 
@@ -104,7 +104,7 @@ def loss_alone(fitted: Fitted) -> float:
 def check_of(fitted: Fitted, path: Path) -> Check:
     """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
     problem = other_problem(fitted, other_record(fitted, path))
-    there, own = (_errors(one) for one in (problem, replace(fitted.problem, values=fitted.values)))
+    there, own = (_errors(one) for one in (problem, _found(fitted)))
     share = there / _spread(problem)
     return Check(
         source=str(path),
@@ -119,7 +119,10 @@ def check_of(fitted: Fitted, path: Path) -> Check:
 def other_record(fitted: Fitted, path: Path) -> Record:
     """Return the record of another study, or another one of the same columns."""
     if path.suffix == ".toml":
-        return observe(load_study(path)).record
+        own = fitted.study.system
+        study = load_study(path)
+        study = study if own is None else replace(study, columns=fitted.study.columns, system=own)
+        return observe(study).record
     heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
     beside = path.parent / fitted.study.path.name
     return observe(replace(fitted.study, path=beside, heading=heading)).record
@@ -175,39 +178,45 @@ def other_problem(fitted: Fitted, record: Record) -> Problem:
     not recorded are not a number; where none was, the ship begins at rest.
     """
     plant = fitted.problem.plant
-    unknown = {name: np.full(len(record.t), np.nan) for name in plant.outputs}
-    known = {name: getattr(record, name) for name in plant.outputs if name in record.channels}
-    samples = samples_of(replace(record, **{**unknown, **known}), plant.outputs)
-    values = fitted.values
-    places = [plant.model.place(name) for name, _ in STATES[plant.model.name]]
-    values[places] = 0.0
-    problem = replace(fitted.problem, samples=samples, values=values)
-    if not known:
+    own, known = plant.model.system, {}
+    if own is None:
+        unknown = {name: np.full(len(record.t), np.nan) for name in plant.outputs}
+        known = {name: getattr(record, name) for name in plant.outputs if name in record.channels}
+        samples = samples_of(replace(record, **{**unknown, **known}), plant.outputs)
+    else:
+        samples = samples_of(record, plant.outputs, own.inputs)
+    problem = replace(_found(fitted), samples=samples)
+    states = len(STATES.get(plant.model.name, range(plant.model.states)))  # those that may differ
+    first = problem.sampled(problem.start).start[0, :, 0].real
+    first[:states] = 0.0
+    problem = replace(problem, first=first)
+    if not known and own is None:
         return problem
     still = alone(problem, problem.start)
-    columns = [alone(_from(problem, place), _from(problem, place).start) for place in places]
+    units = [replace(problem, first=first + one) for one in np.eye(len(first))[:states]]
     there, weight = ~np.isnan(samples.outputs), 1.0 / _reading_errors(fitted)
-    free = np.column_stack([((column - still) * weight)[there] for column in columns])
+    changes = [alone(unit, unit.start) - still for unit in units]
+    free = np.column_stack([(change * weight)[there] for change in changes])
+    width = np.maximum(np.linalg.norm(free, axis=0), 1e-300)
     left = ((samples.outputs - still) * weight)[there]
-    values[places] = np.linalg.lstsq(free, left, rcond=None)[0]
-    return replace(problem, values=values)
+    best = np.linalg.lstsq(free / width, left, rcond=None)[0] / width
+    return replace(problem, first=np.concatenate([best, first[states:]]))
 
 
 def _reading_errors(fitted: Fitted) -> Numbers:
     """Return the standard deviations of the outputs' errors (y,), as fitted or as they scatter."""
     plant = fitted.problem.plant
-    names = [ERRORS[plant.model.name][output] for output in plant.outputs]
-    told = np.sqrt(np.abs([fitted.values[plant.model.place(name)] for name in names]))
+    noise = np.diag(plant.blocks(fitted.values[None]).noise[0])
+    told = np.sqrt(noise[plant.model.states :])
     if isinstance(fitted.cost, Innovations):  # which has no errors of readings
-        told = _errors(replace(fitted.problem, values=fitted.values))
+        told = _errors(_found(fitted))
     return np.asarray(np.maximum(told, 1e-12))
 
 
-def _from(problem: Problem, place: int) -> Problem:
-    """Return the problem with one parameter at 1."""
-    values = problem.values.copy()
-    values[place] = 1.0
-    return replace(problem, values=values)
+def _found(fitted: Fitted) -> Problem:
+    """Return the first run alone, at what was found."""
+    problem, _ = fitted.problem.runs[0]
+    return replace(problem, values=fitted.values)
 
 
 def _errors(problem: Problem) -> Numbers:

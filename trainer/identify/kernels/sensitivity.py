@@ -10,7 +10,6 @@ import math
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.blocks import clear, put, put_block
 from trainer.identify.kernels.covariance_filter import (
     Mask,
     Places,
@@ -23,7 +22,7 @@ from trainer.identify.kernels.covariance_filter import (
     residual,
     steady_step,
 )
-from trainer.identify.kernels.kernel import kernel, lean, part
+from trainer.identify.kernels.kernel import clear, kernel, lean, part, put, put_block
 
 SETTLED = 1e-20  # [-] square of the relative change of a derivative of P
 
@@ -285,7 +284,7 @@ def score_rows(
     which: Places,
     out: tuple[Numbers, Numbers, Numbers],
 ) -> tuple[int, float]:
-    """Return how many stages there are and -log L less its constant; write rows and gradient.
+    """Return the number of stages and -log L less its constant; write rows and gradient.
 
     0 if R is not positive definite. ``system`` is mean, noise and start; ``slopes`` are those of
     the same, parameters last. Of ``out`` errors (n, y, p) gets the standardised derivatives of each

@@ -16,7 +16,7 @@ from trainer.identify.alternatives import Band, Rival, pulse_of, step_of
 from trainer.identify.models import UNITS
 from trainer.identify.nomoto import scale
 from trainer.identify.nonlinear import predict
-from trainer.identify.outcome import LARGE, Matrices
+from trainer.identify.outcome import LARGE, Matrices, errors_of
 from trainer.identify.pages.results import Direction, Estimate, Identified, Report, carry_out
 from trainer.identify.residuals import Residuals
 from trainer.identify.validation import alone
@@ -25,6 +25,7 @@ from trainer.units import DEGREE, KNOT
 __all__ = ["carry_out", "render", "screens", "sheet"]
 
 BAND: Final = 1.96  # standard deviations
+SHOWN: Final = 10  # outliers that a page lists
 MOST: Final = 4  # panels that a screen has
 MATRICES: Final = "Matrices"
 FREQUENCIES: Final = 80  # of a Bode figure
@@ -42,17 +43,20 @@ def render(report: Report) -> str:
         f"IDENTIFICATION, model {report.model} (LISPID)",
         f"{INDENT}{cut(report.study, 70)}",
         f"{INDENT}{cut(report.source, 75)}",
-        f"{INDENT}{report.length_m:g} m, {report.speed_kn:.2f} kn; {_samples(report)}",
+        f"{INDENT}{_ship(report)}{_samples(report)}",
         f"{INDENT}" + ", ".join(f"{name} {value}" for name, value in report.settings.items()),
     ]
     if report.findings:
         lines += ["", f"{INDENT}The record:"]
         lines += [line for text in report.findings for line in wrap(f"- {text}")]
     lines += ["", *_parameter_table(report), "", *_ship_table(report)]
-    lines += ["", f"{INDENT}The ship is {report.stability}."]
+    what = "ship" if report.length_m else "system"
+    lines += ["", f"{INDENT}The {what} is {report.stability}."]
     if report.derivatives:
         lines += ["", *_derivative_table(report)]
     lines += ["", *_fit_lines(report)]
+    if report.runs:
+        lines += ["", *_run_table(report)]
     if report.rivals:
         lines += ["", *rival_table(report)]
     if report.residuals:
@@ -115,6 +119,30 @@ def _matrix_lines(found: Matrices) -> list[str]:
     return lines
 
 
+def _ship(report: Report) -> str:
+    """Return length and speed, nothing of a user's own system."""
+    if report.length_m is None or report.speed_kn is None:
+        return ""
+    speed = "" if report.runs else f", {report.speed_kn:.2f} kn"
+    return f"{report.length_m:g} m{speed}; "
+
+
+def _run_table(report: Report) -> list[str]:
+    """Return how well the model follows each run."""
+    rows = []
+    for number, run in enumerate(report.runs, 1):
+        speed = "-" if run.speed_kn is None else f"{run.speed_kn:.2f}"
+        first = (f"{number} {cut(run.source.rpartition('/')[2], 18)}", speed, str(run.samples))
+        each = zip(report.outputs, report.units, run.rms, run.alone, run.explained, strict=True)
+        for name, unit, rms, alone_rms, explained in each:
+            numbers = (f"{rms:.4g}", f"{alone_rms:.4g}", f"{100.0 * explained:.1f}")
+            rows.append((*first, name, unit, *numbers))
+            first = ("", "", "")
+    ahead, left = "rms error\none ahead", "\nalone"
+    heads = ("run", "kn", "samples", "output", "unit", ahead, left, "% variance\nexplained")
+    return table(heads, rows)
+
+
 def _samples(report: Report) -> str:
     outputs = ", ".join(report.outputs)
     return f"{report.samples} samples every {report.interval_s:g} s of {outputs}"
@@ -136,8 +164,10 @@ def _span(one: Estimate) -> tuple[str, str]:
 
 def _ship_table(report: Report) -> list[str]:
     """Return gains and time constants in SI, prime and bis units."""
-    units = [scale(name, report.length_m, report.speed_kn * KNOT) for name in ("prime", "bis")]
-    rows = []
+    units, rows = [], []
+    if report.length_m is not None and report.speed_kn is not None:
+        speed = report.speed_kn * KNOT
+        units = [scale(name, report.length_m, speed) for name in ("prime", "bis")]
     for one in report.ship:
         sizes = [
             {"s": x.time, "s^2": x.time**2, "1/s": 1.0 / x.time, "m/s": x.speed, "m": x.length}
@@ -146,7 +176,9 @@ def _ship_table(report: Report) -> list[str]:
         others = [f"{one.value / size[one.unit]:.4g}" for size in sizes]
         known = (f"{one.value:.5g}", figure(one.deviation, ".2g"), *_span(one))
         rows.append((one.name, one.unit, *known, *others))
-    heads = ("ship", "unit", "value", "std dev", "95 %\nfrom", "\nto", "prime", "bis")
+    what = "ship" if units else "system"
+    shown = ("prime", "bis")[: len(units)]
+    heads = (what, "unit", "value", "std dev", "95 %\nfrom", "\nto", *shown)
     return table(heads, rows)
 
 
@@ -161,19 +193,35 @@ def _derivative_table(report: Report) -> list[str]:
 
 
 def _fit_lines(report: Report) -> list[str]:
-    state = f"settled in {report.steps} steps" if report.converged else "DID NOT SETTLE"
+    state = f"Fit settled in {report.steps} steps"
+    state = state if report.converged else "Fit DID NOT SETTLE"
+    if report.simulated:
+        state = "Nothing was estimated"
     lines = wrap(report.doubt, INDENT, 2 * INDENT) if report.doubt else []
     lines += [
-        f"{INDENT}Fit {state}: log L {report.log_likelihood:.4f}, AIC {report.aic:.2f}",
+        f"{INDENT}{state}: log L {report.log_likelihood:.4f}, AIC {report.aic:.2f}",
         f"{INDENT}V1 {report.loss_1:.4f} one step ahead, {report.loss_1_alone:.4f} by rudder alone",
     ]
     if report.screened:
-        lines.append(f"{INDENT}{report.screened} samples were rejected as outliers")
+        lines += wrap(_outliers(report), INDENT, 2 * INDENT)
     weakest = ", ".join(report.weakest)
     lines += wrap(
         f"Known least: {weakest} (scaled eigenvalue {report.eigenvalue:.2g})", INDENT, 2 * INDENT
     )
     return lines
+
+
+def _outliers(report: Report) -> str:
+    """Return which samples were rejected, the first of many."""
+    several = bool(report.runs)
+    told = [
+        (f"run {one.run} " if several else "") + f"row {one.row} ({one.t_s:g} s)"
+        for one in report.screened[:SHOWN]
+    ]
+    more = len(report.screened) - len(told)
+    rest = f" and {more} more" if more else ""
+    verb = "was" if len(report.screened) == 1 else "were"
+    return f"{len(report.screened)} {verb} rejected as outliers: {', '.join(told)}{rest}"
 
 
 def rival_table(report: Report) -> list[str]:
@@ -217,9 +265,15 @@ def _check_lines(report: Report) -> list[str]:
     if check is None:
         return []
     rows = [
-        (name, UNITS[name][0], f"{rms:.4g}", *(f"{100.0 * one:.1f}" for one in shares))
-        for name, rms, *shares in zip(
-            check.outputs, check.rms, check.share, check.own, check.explained, strict=True
+        (name, unit, f"{rms:.4g}", *(f"{100.0 * one:.1f}" for one in shares))
+        for name, unit, rms, *shares in zip(
+            check.outputs,
+            report.units,
+            check.rms,
+            check.share,
+            check.own,
+            check.explained,
+            strict=True,
         )
     ]
     shares = ("% of the\nmotion", "% where\nfitted", "% variance\nexplained")
@@ -229,13 +283,16 @@ def _check_lines(report: Report) -> list[str]:
 
 def screens(identified: Identified) -> tuple[Screen, ...]:
     """Return all figures of a fit in groups, each for one screen."""
-    asked = ("step of 1 deg", step_of), ("pulse of 1 deg s", pulse_of)
+    of = " deg" if identified.report.length_m else ""
+    asked = (f"step of 1{of}", step_of), (f"pulse of 1{of} s", pulse_of)
     found: dict[str, Iterable[Panel]] = {"Record": _record(identified)}
+    for number in range(1, len(identified.report.runs)):
+        found[f"Run {number + 1}"] = _record(identified, number)
     found["Residuals"] = _left(identified)
     found["Correlations"] = correlation_panels(identified.report.residuals)
-    for title, rudder in asked:
+    for title, shape in asked:
         name = title.split()[0].capitalize()
-        found[name] = _responses(identified, title, rudder(identified.fitted))
+        found[name] = _responses(identified, title, shape(identified.fitted))
     found |= {"Bode": _bode(identified), "Terms": _terms(identified)}
     return screens_of(found | {"Large manoeuvre": _large(identified)})
 
@@ -251,24 +308,29 @@ def screens_of(groups: Mapping[str, Iterable[Panel]]) -> tuple[Screen, ...]:
     return tuple(found)
 
 
-def _record(identified: Identified) -> Iterator[Panel]:
-    """Yield helm, and outputs with predictions and bands."""
-    fitted, run = identified.fitted, identified.run
-    samples, t = fitted.problem.samples, fitted.problem.samples.t
-    predicted = alone(fitted.problem, fitted.found.theta)
-    steps = np.repeat(t, 2)[1:], np.repeat(samples.inputs[:, 0], 2)[:-1]  # held between samples
-    helm = (Curve("rudder", *steps),)
-    yield Panel("rudder, positive to port", "time [s]", "[deg]", helm)
-    for i, output in enumerate(identified.report.outputs):
+def _record(identified: Identified, number: int = 0) -> Iterator[Panel]:
+    """Yield what acts in a run, and outputs with predictions and, of the first run, bands."""
+    fitted, report = identified.fitted, identified.report
+    problem, at = fitted.problem.runs[number]
+    run = errors_of(fitted, number) if number else identified.run
+    samples, t = problem.samples, problem.samples.t
+    predicted = alone(problem, fitted.found.theta[at])
+    for name, values in zip(report.inputs, samples.inputs.T, strict=True):
+        curve = (Curve(name, np.repeat(t, 2)[1:], np.repeat(values, 2)[:-1]),)  # held
+        if report.length_m:
+            yield Panel("rudder, positive to port", "time [s]", "[deg]", curve)
+        else:
+            yield Panel(name, "time [s]", "[-]", curve)
+    for i, output in enumerate(report.outputs):
         band = BAND * float(np.nanstd(run.errors[:, i]))
         curves = (
             Curve("measured", t, samples.outputs[:, i], points=True),
-            Curve("by rudder alone", t, predicted[:, i]),
-            *_edges(identified.others.outputs, i),
+            Curve("by rudder alone" if report.length_m else "alone", t, predicted[:, i]),
+            *(() if number else _edges(identified.others.outputs, i)),
             Curve("one step ahead, +95 %", t, run.predictions[:, i] + band),
             Curve("one step ahead, -95 %", t, run.predictions[:, i] - band),
         )
-        yield Panel(output, "time [s]", f"[{UNITS[output][0]}]", curves)
+        yield Panel(output, "time [s]", f"[{report.units[i]}]", curves)
 
 
 def _left(identified: Identified) -> Iterator[Panel]:
@@ -286,15 +348,20 @@ def _edges(band: Band, output: int) -> tuple[Curve, ...]:
     return (Curve("allowed, lowest", band.t, low), Curve("allowed, highest", band.t, high))
 
 
-def _responses(identified: Identified, title: str, rudder: Numbers) -> Iterator[Panel]:
-    """Yield the answers of all ships allowed to a rudder."""
-    others = identified.others
+def _responses(identified: Identified, title: str, shape: Numbers) -> Iterator[Panel]:
+    """Yield the answers of all ships allowed to a rudder, or to each input by itself."""
+    others, report = identified.others, identified.report
     lost = f" ({others.lost:.0%} of the draws are no model)" if others.lost else ""
-    band = others.response(rudder)
-    for i, output in enumerate(identified.report.outputs):
-        middle = Curve("middle", band.t, band.middle[:, i])
-        curves, unit = (middle, *_edges(band, i)), f"[{UNITS[output][0]}]"
-        yield Panel(f"{output} by a {title}{lost}", "time [s]", unit, curves)
+    for k, name in enumerate(report.inputs):
+        inputs = np.zeros((len(shape), len(report.inputs)))
+        inputs[:, k] = shape
+        band = others.response(inputs)
+        of = "" if report.length_m else f" of {name}"
+        for i, output in enumerate(report.outputs):
+            middle = Curve("middle", band.t, band.middle[:, i])
+            curves = (middle, *_edges(band, i))
+            panel = f"{output} by a {title}{of}{lost}"
+            yield Panel(panel, "time [s]", f"[{report.units[i]}]", curves)
 
 
 def _bode(identified: Identified) -> Iterator[Panel]:
@@ -302,6 +369,8 @@ def _bode(identified: Identified) -> Iterator[Panel]:
 
     From one period of its length to two samples a period.
     """
+    if identified.report.length_m is None:
+        return
     samples, period = identified.fitted.problem.samples, identified.fitted.problem.plant.period
     ends = 2.0 * np.pi / (samples.t[-1] - samples.t[0]), np.pi / period
     outputs, gain, phase = identified.others.bode(np.geomspace(*ends, FREQUENCIES))

@@ -44,7 +44,7 @@ class Coverage:
     @property
     def inside(self) -> Numbers:
         """Return of each parameter the share of 95 % intervals that hold the truth (f,)."""
-        low, high = np.moveaxis([run.intervals for run in self.runs], 2, 0)
+        low, high = np.moveaxis(np.array([run.intervals for run in self.runs]), 2, 0)
         return np.asarray(((low <= self.truth) & (self.truth <= high)).mean(axis=0))
 
     @property
