@@ -7,7 +7,7 @@ in the folder of the tests' helpers writes it; a test compares page, commands an
 
 from typing import Final
 
-from helpers.report_1969 import ABSENT, NEVER, Parts, Row, page_of
+from helpers.report_1969 import NEVER, Parts, Row, page_of
 
 HEAD: Final = """# The report of 1974
 
@@ -33,6 +33,10 @@ STEERED: Final = "identify/test_steered.py"
 ALLOWED: Final = "identify/test_allowed_ships.py"
 DECCA: Final = "identify/test_decca.py"
 CASES: Final = "identify/test_cases.py"
+RUNS: Final = "identify/test_runs.py"
+OWN: Final = "identify/test_own_systems.py"
+RESULTS: Final = "identify/test_results.py"
+NONLINEAR: Final = "identify/test_nonlinear.py"
 MODELLED: Final = f"{SAMPLING}::test_each_model_has_the_transfer_function_that_its_document_says"
 FOUND: Final = f"{CASES}::test_a_ship_of_the_report_is_found_again"
 SEEN: Final = f"{CASES}::test_what_the_report_saw_is_seen_again"
@@ -59,9 +63,24 @@ PROGRAMS: Final = (
         "trainer identify FILE --noise covariance",
         f"{LIKELIHOOD}::test_the_likelihood_is_that_of_statsmodels",
     ),
-    Row("LISPID, abs ISYS 4", "no estimation: simulate, screen residuals", ABSENT, ""),
-    Row("LISPID, ISYS below 0", "the user's own system by discrete matrices", ABSENT, ""),
-    Row("SYST", "the user's own system, continuous", ABSENT, ""),
+    Row(
+        "LISPID, abs ISYS 4",
+        "no estimation: simulate, screen residuals",
+        "trainer identify FILE --simulate --reject 0.05",
+        f"{RUNS}::test_nothing_is_estimated_where_only_a_simulation_is_wanted",
+    ),
+    Row(
+        "LISPID, ISYS below 0",
+        "the user's own system by discrete matrices",
+        "trainer identify FILE --system FILE",
+        f"{OWN}::test_matrices_of_one_step_are_found_too",
+    ),
+    Row(
+        "SYST",
+        "the user's own system, continuous",
+        "trainer identify FILE --system FILE",
+        f"{OWN}::test_a_system_in_a_file_is_found",
+    ),
     Row(
         "SHIP: Model 1", "sway and yaw, 34 parameters", "trainer identify FILE --model 1", MODELLED
     ),
@@ -143,8 +162,18 @@ PROGRAMS: Final = (
         "[`restarts`](identification.md#model) of a study",
         f"{ESTIMATE}::test_restarts_leave_a_shallow_minimum",
     ),
-    Row("LOOP 0", "simulate only", ABSENT, ""),
-    Row("LOOP -1", "print and plot data only", ABSENT, ""),
+    Row(
+        "LOOP 0",
+        "simulate only",
+        "trainer identify FILE --simulate",
+        f"{RUNS}::test_nothing_is_estimated_where_only_a_simulation_is_wanted",
+    ),
+    Row(
+        "LOOP -1",
+        "print and plot data only",
+        "trainer identify FILE --data-only",
+        f"{RUNS}::test_a_record_is_shown_alone",
+    ),
     Row(
         "LPAR, MSL",
         "parameters kept when time runs out",
@@ -176,7 +205,18 @@ PROGRAMS: Final = (
         "trainer identify FILE --json",
         f"{STUDY}::test_the_page_tells_parameters_ship_stability_losses_and_residuals",
     ),
-    Row("NPRI 1, 2, 3", "matrices and series printed", ABSENT, ""),
+    Row(
+        "NPRI 1, 2",
+        "system and covariance matrices printed, initial and final",
+        "trainer identify FILE --matrices",
+        f"{RESULTS}::test_matrices_are_printed_when_asked",
+    ),
+    Row(
+        "NPRI 3",
+        "inputs, measurements, model outputs, errors, residuals by sample",
+        "trainer identify FILE --csv FILE",
+        f"{RESULTS}::test_a_csv_holds_the_series_and_leaves_a_missing_reading_empty",
+    ),
     Row(
         "IPLOT, IYY",
         "inputs, measurements, model and residuals plotted",
@@ -207,7 +247,18 @@ PROGRAMS: Final = (
         "trainer decca FILE --smooth",
         f"{DECCA}::test_spencers_points_smooth_as_published_and_keep_cubics",
     ),
-    Row("DECCON: rudder", "its output with the rudder, for LISPID", ABSENT, ""),
+    Row(
+        "DECCON: rudder",
+        "its output with the rudder, for LISPID",
+        "trainer decca FILE --csv FILE",
+        f"{DECCA}::test_the_track_with_a_rudder_is_a_record_to_identify",
+    ),
+    Row(
+        "instead of Decca: GPS",
+        "latitude and longitude to sway",
+        "trainer identify FILE",
+        "identify/test_track.py::test_a_track_gives_sway_and_yaw_rate",
+    ),
     Row(
         "Monte Carlo",
         "ships drawn from what the record leaves open",
@@ -262,10 +313,32 @@ THEORY: Final = (
         "kappa from a large manoeuvre",
         "the bend of a linear ship",
         "trainer identify FILE --kappa FILE",
-        "identify/test_nonlinear.py::test_kappa_comes_back_from_a_manoeuvre",
+        f"{NONLINEAR}::test_kappa_comes_back_from_a_manoeuvre",
     ),
-    Row("kappa with K and T", "all of (2.12) fitted together", ABSENT, ""),
-    Row("H(r)", "Bech's function instead of a quadratic", ABSENT, ""),
+    Row(
+        "kappa with K and T",
+        "all of (2.12) fitted together",
+        "trainer identify FILE --kappa FILE --joint",
+        f"{NONLINEAR}::test_kappa_and_the_linear_constants_come_back_together_from_two_records",
+    ),
+    Row(
+        "H(r)",
+        "Bech's function instead of a quadratic",
+        "trainer identify FILE --bech FILE",
+        f"{NONLINEAR}::test_h_comes_back_from_a_manoeuvre_of_an_unstable_ship",
+    ),
+    Row(
+        "H(r) from a reversed spiral",
+        "the same from steady turns",
+        "trainer identify FILE --spiral FILE",
+        f"{NONLINEAR}::test_h_comes_back_from_steady_turns_with_the_terms_that_it_has",
+    ),
+    Row(
+        "linear and non-linear terms",
+        "how large each is in the motion",
+        "trainer identify FILE --bech FILE",
+        f"{RESULTS}::test_the_report_tells_how_large_the_terms_are",
+    ),
     Row(
         "section 3: what can be told apart",
         "parameters that one record cannot separate are named",
@@ -278,7 +351,12 @@ THEORY: Final = (
         "trainer identify FILE --model nomoto2 --against nomoto1",
         f"{ALLOWED}::test_a_model_is_tested_against_a_simpler_one_and_without_a_parameter",
     ),
-    Row("several runs", "common parameters of several records", ABSENT, ""),
+    Row(
+        "several runs",
+        "common parameters of several records",
+        "trainer identify FILE FILE",
+        f"{RUNS}::test_two_records_are_fitted_by_one_command",
+    ),
 )
 SHIPS: Final = (
     Row(
@@ -389,7 +467,12 @@ FIGURES: Final = (
         "trainer steering FILE --plot FILE",
         f"{STEERED}::test_the_spiral_is_drawn_with_its_fold",
     ),
-    Row("Bode figures", "gain and phase of the ships found", ABSENT, ""),
+    Row(
+        "Bode figures",
+        "gain and phase of the ships found, with bands",
+        "trainer identify FILE --plot FILE",
+        f"{RESULTS}::test_a_bode_figure_is_that_of_the_transfer_function",
+    ),
 )
 LOST: Final = (
     Row("the five records", "Atlantic Song to Compass Island", f"{NEVER}: they are lost", ""),
