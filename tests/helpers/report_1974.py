@@ -19,7 +19,7 @@ Astrom, Norrbin, Kallstrom and Bystrom, *The Identification of Linear Ship Steer
 Maximum Likelihood Parameter Estimation* (Lund 7431 / SSPA 1920-1): each of its programs, tables and
 figures, what does the same here, and the test that compares. Its records have not survived, and its
 figures are not in the copies that were read. A test therefore recomputes what was printed, or
-simulates a ship of the report and identifies her again: S1 to S11 of `trainer identify --selftest`.
+simulates a ship of the report and identifies it again: S1 to S11 of `trainer identify --selftest`.
 Formulas were re-derived where the print is wrong or missing; an independent program's numbers stand
 for them. [Identification](identification.md) tells how to use all this.
 """

@@ -361,10 +361,10 @@ def test_intervals_of_variances_and_sure_coefficients_are_by_the_logarithm() -> 
     # a1 is known to a quarter, c1 not even by its sign, R1_1 to two thirds, R2_v is lost
     theta = np.array([2.0, -0.2, 1.0, 1e-4, 0.01])
     found = intervals(problem, theta, np.array([0.5, 0.3, 1.0, 1e-4 / 1.5, np.nan]))
-    assert found[0] == pytest.approx([2.0 / 1.63218, 2.0 * 1.63218], rel=1e-5)  # exp(1.96/4)
+    assert found[0] == pytest.approx([2.0 / 1.63230, 2.0 * 1.63230], rel=1e-5)  # exp(1.96/4)
     assert found[1] == pytest.approx([-0.2 - 0.587989, -0.2 + 0.587989], rel=1e-5)
     assert found[2] == pytest.approx([1.0 - 1.959964, 1.0 + 1.959964], rel=1e-5)
-    assert found[3] == pytest.approx([1e-4 / 3.69351, 1e-4 * 3.69351], rel=1e-5)  # exp(1.96/1.5)
+    assert found[3] == pytest.approx([1e-4 / 3.69375, 1e-4 * 3.69375], rel=1e-5)  # exp(1.96/1.5)
     assert np.isnan(found[4]).all()
     assert np.isfinite(intervals(problem, theta, np.full(5, 1e300))).all()
     # a coefficient below zero has its ends in order

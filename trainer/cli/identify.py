@@ -135,7 +135,7 @@ def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
     Example:  trainer steering bb2 --speed 5 --speed 10
               trainer steering ship.toml --plot spiral.png
 
-    The speed is the vessel's own unless it is given; that of a Nomoto ship is in her file.
+    The speed is the vessel's own unless it is given; that of a Nomoto ship is in its file.
     """
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
     from trainer.identify.nomoto import is_nomoto  # noqa: PLC0415

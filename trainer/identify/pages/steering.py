@@ -31,7 +31,10 @@ class Loop(NamedTuple):
 
 @dataclass(frozen=True)
 class AtSpeed:
-    """How the ship steers at one speed, SI; T_imag of a complex pair T1 and T2."""
+    """How the ship steers at one speed, SI.
+
+    T_imag is of a complex pair T1 and T2.
+    """
 
     speed_kn: float
     numbers: dict[str, float]  # by UNITS, and T_imag
@@ -54,7 +57,7 @@ class Report:
 
 
 def of_vessel(file: VesselFile, speeds_kn: Sequence[float]) -> Report:
-    """Return how a boat steers at ``speeds_kn``, by her vessel file; roll is left out."""
+    """Return how a boat steers at ``speeds_kn``, by its vessel file; roll is left out."""
     found = []
     for knots in speeds_kn:
         ship = steering(file, knots * KNOT)
@@ -158,8 +161,8 @@ def _loop_lines(loop: Loop) -> list[str]:
     """Return the loop in words."""
     rate, fold_rate, fold = map(figure, loop)
     return wrap(
-        f"- the spiral has a loop (2.12): amidships she turns at {rate} deg/s to either side; she "
-        f"goes over to the other side beyond {fold} deg of opposite rudder, from {fold_rate} deg/s"
+        f"- the spiral has a loop (2.12): amidships the ship turns at {rate} deg/s to either side; "
+        f"it goes over to the other beyond {fold} deg of opposite rudder, from {fold_rate} deg/s"
     )
 
 
