@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from trainer.identify.pages.sheet import sheet
 
-from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report.plots import Curve, Panel, Screen
 from trainer.cli.identify import identify
 from trainer.identify.alternatives import _draw_parameters, draw_allowed, pulse_of, step_of
 from trainer.identify.experiment import hold_bits, prbs
@@ -20,6 +19,7 @@ from trainer.identify.measurements import Samples
 from trainer.identify.minimise import unheard
 from trainer.identify.models import MODELS, Plant, Ship
 from trainer.identify.options import study_of
+from trainer.identify.pages.identify import sheet
 from trainer.identify.problem import problem_of
 from trainer.identify.study import observe
 from trainer.identify.uncertainty import draw_parameters as draws
@@ -273,7 +273,7 @@ def test_a_record_that_tells_nothing_is_refused_with_what_is_odd_about_it(
 def test_names_of_anybody_s_making_come_out_as_text() -> None:
     evil = '<script>alert("x")</script>'
     panel = Panel(evil, evil, evil, (Curve(evil, np.arange(3.0), np.arange(3.0)),))
-    text = sheet(evil, f"{evil}\n{evil}", [panel], Named(evil))
+    text = sheet(evil, f"{evil}\n{evil}", [Screen(evil, (panel,))], Named(evil))
     page, _, data = text.partition('<script type="application/json"')
     assert "<script" not in page
     assert page.count("&lt;script&gt;alert(&#34;x&#34;)&lt;/script&gt;") >= 6

@@ -121,7 +121,7 @@ PAIRED: Final = 0.025  # [-] share of complex pairs from which T1 and T2 are not
 
 
 class Band(NamedTuple):
-    """The range of 95 % of the ships: lowest, middle and highest at each time or frequency."""
+    """The range of 95 % of the ships, lowest to highest, and the middle."""
 
     t: Numbers  # (n,) [s], or [rad/s]
     low: Numbers  # (n, y)

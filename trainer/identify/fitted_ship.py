@@ -1,4 +1,4 @@
-"""The Python face of identification: a ship from arrays, a frame or a file, and what it does."""
+"""The Python face of identification: a ship fitted to arrays or a file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
@@ -73,7 +73,9 @@ def fit(
     model: Literal["1", "2", "3", "nomoto1", "nomoto2"] | None = None,
     **keywords: Unpack[FitOptions],
 ) -> "FittedShip":
-    """Fit a ship to a record of rudder and motion by maximum likelihood, as ``trainer identify``.
+    """Fit a ship to a record of rudder and motion by maximum likelihood.
+
+    It is what ``trainer identify`` does.
 
     ``frame`` is a mapping of arrays of one length (n,), a pandas frame, or the path of a CSV file,
     a recording or a study. Arrays are ``t`` [s] rising, ``rudder`` and what was read: ``yaw_rate``,
@@ -280,9 +282,9 @@ class FittedShip:
         return self.summary()
 
     def plot(self, path: str | Path | None = None) -> "Figure | None":
-        """Return matplotlib's figure of all plots, or draw them to a .png, .svg or .pdf file.
+        """Return matplotlib's figure of all plots, or draw them to a file.
 
-        TrainerError without the extra ``plot``.
+        The file is .png, .svg or .pdf. TrainerError without the extra ``plot``.
         """
         shown = screens(self._found)
         if path is not None:

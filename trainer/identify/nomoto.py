@@ -231,7 +231,7 @@ class NomotoFile:
 
     @property
     def bend(self) -> tuple[float, float, float]:
-        """Return what r [-], |r| r [s] and r^3 [s^2] are times in the steady turn, K H(r)."""
+        """Return the factors of r [-], |r| r [s] and r^3 [s^2] in K H(r)."""
         K = self.K_per_s
         if self.H1_s is None:
             return 1.0, -(self.kappa_s2 or 0.0) * K, 0.0

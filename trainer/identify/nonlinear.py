@@ -30,7 +30,7 @@ SHAPES: Final = ((0,), (0, 1), (0, 2), (0, 1, 2))  # terms of H(r) that turns ch
 
 @dataclass(frozen=True)
 class Bent:
-    """A ship with linear constants and kappa, or ``H`` in the place of 1/K, -kappa and 0."""
+    """A ship with linear constants and kappa, or with ``H`` for 1/K, -kappa, 0."""
 
     K: float  # [1/s]
     T1: float  # [s]
@@ -185,7 +185,7 @@ class _Records:
         return np.array([*(told[name] for name in self.free), *own])
 
     def errors(self, theta: Any) -> NDArray[np.complex128]:
-        """Return what is left of the known yaw rates of all records, one after the other."""
+        """Return what is left of the known yaw rates, record by record."""
         count, left = len(self.free), []
         for i, record in enumerate(self.records):
             first, helm = theta[count + 2 * i : count + 2 * i + 2]

@@ -17,7 +17,7 @@ USUAL: Final = ("sway", "yaw_rate", "heading")
 
 
 def study_of(file: Path, options: dict[str, Any]) -> Study:
-    """Return the study of a file, or of a plain record, changed as the options say."""
+    """Return the study of a file, changed as the options say."""
     return as_asked(load_study(file) if file.suffix == ".toml" else plain_study(file), options)
 
 

@@ -1,4 +1,4 @@
-"""What a fit yields: a file that sails, its series by sample, its terms, its matrices.
+"""A fit becomes a file that sails, series by sample, terms and matrices.
 
 A file is of a Nomoto ship or of a vessel. Series and matrices are the listings NPRI 1 to 3 of the
 report's programs (MI 13).
@@ -150,7 +150,7 @@ def errors_of(fitted: Fitted, number: int = 0) -> Shown:
 
 @dataclass(frozen=True)
 class Term:
-    """One term of an equation of motion over a record, its sign that of the right-hand side."""
+    """One term of an equation of motion over a record, on the right-hand side."""
 
     equation: str
     name: str
@@ -164,7 +164,7 @@ Series = dict[tuple[str, str, str], Numbers]  # by equation, term and unit
 
 
 def terms_of(fitted: Fitted, states: Numbers) -> Series:
-    """Return the terms of sway and yaw (n,) by sample, from the filter's ``states`` (n, x).
+    """Return the terms of sway and yaw (n,) from the filter's ``states`` (n, x).
 
     Of Model 1 forces and moments in its system, by derivative; of others accelerations, SI.
     """
@@ -198,7 +198,7 @@ def terms_of(fitted: Fitted, states: Numbers) -> Series:
 def bent_terms(bend: Bend, record: Record) -> Series:
     """Return the terms of the steady turn (12.3) over a large manoeuvre (n,), deg/s.
 
-    K delta turns the ship; the others hold her back, or on. Nothing for turns of a spiral.
+    K delta turns the ship; the others hold it back, or on. Nothing for turns of a spiral.
     """
     if bend.rate_0 is None:
         return {}
@@ -224,7 +224,7 @@ def sizes_of(series: Series) -> tuple[Term, ...]:
 
 
 def series_of(fitted: Fitted, number: int = 0) -> dict[str, Numbers]:
-    """Return the columns of a run, a number for each sample; NaN where there is none.
+    """Return the columns of a run, a number for each sample or NaN.
 
     Time [s], rudder [deg]; of each output the reading, the model by rudder alone, its error, the
     prediction one step ahead and the residual, in the model's units; the states that are predicted,
@@ -255,7 +255,7 @@ def series_of(fitted: Fitted, number: int = 0) -> dict[str, Numbers]:
 
 
 def write_series(fitted: Fitted, path: Path) -> None:
-    """Write the columns of a fit as CSV, a missing number empty; ConfigError if it cannot be."""
+    """Write the columns of a fit as CSV; ConfigError if it cannot be."""
     runs = [series_of(fitted, number) for number in range(len(fitted.problem.runs))]
     names = [*(["run"] if fitted.others else []), *runs[0]]
     try:

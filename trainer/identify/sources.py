@@ -156,7 +156,7 @@ def _read_recording(path: Path, columns: Mapping[str, Column]) -> Taken:
 
 
 def check_times(record: Record) -> None:
-    """Check that time is known and rises; ConfigError naming the first row where it does not."""
+    """Check that time is known and rises; ConfigError naming the first bad row."""
     missing = np.isnan(record.t)
     if missing.any():
         row = record.row(int(np.argmax(missing)))

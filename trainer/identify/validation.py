@@ -129,11 +129,11 @@ def other_record(fitted: Fitted, path: Path) -> Record:
 
 
 def bend_of(fitted: Fitted, path: Path, kind: str, *, joint: bool) -> tuple[Bend, Record]:
-    """Return what steady turns or a large manoeuvre tell of the fitted ship (12), and the record.
+    """Return what steady turns or a large manoeuvre tell of the fitted ship (12).
 
-    ``kind`` is "kappa", "bech" for H(r) of a record, or "spiral" for H(r) of steady turns, whose
-    times are not read. ``joint``: the linear constants too, from both records. ConfigError if the
-    model has no yaw, or a pair of complex roots.
+    Their record too. ``kind`` is "kappa", "bech" for H(r) of a record, or "spiral" for H(r) of
+    steady turns, whose times are not read. ``joint``: the linear constants too, from both records.
+    ConfigError if the model has no yaw, or a pair of complex roots.
     """
     plant = fitted.problem.plant
     form = nomoto_of(plant.model, fitted.values, plant.ship)

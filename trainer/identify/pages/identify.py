@@ -1,4 +1,4 @@
-"""A fitted ship as a page for a terminal, as plots, and as a page of screens for a browser."""
+"""A fitted ship as a page for a terminal, as plots, and as screens."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
