@@ -72,6 +72,8 @@ def test_costs_of_runs_add_up_and_so_do_slopes_and_information(name: str) -> Non
     (first, second), both = runs(150)
     cost, theta = COSTS[name](both), both.start
     (_, one), (_, two) = both.runs
+    assert_allclose(theta[one], first.start)
+    assert_allclose(theta[two], second.start)
     parts = [(COSTS[name](first), one), (COSTS[name](second), two)]
     slope: Any = np.zeros(len(theta))
     information: Any = np.zeros((len(theta), len(theta)))
