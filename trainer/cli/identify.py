@@ -123,6 +123,36 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
 
 
 @click.command()
+@click.argument("vessel", type=VESSEL)
+@click.option("--speed", "speeds", type=AHEAD, multiple=True, metavar="KN", help="May be repeated.")
+@outputs
+def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
+    """Show gains, lever arms, and the spiral of a boat or a Nomoto ship.
+
+    VESSEL is a name, or the path of a vessel file or a Nomoto file.
+
+    \b
+    Example:  trainer steering bb2 --speed 5 --speed 10
+              trainer steering ship.toml --plot spiral.png
+
+    The speed is the vessel's own unless it is given; that of a Nomoto ship is in its file.
+    """
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.identify.nomoto import is_nomoto  # noqa: PLC0415
+    from trainer.identify.pages import steering as page  # noqa: PLC0415
+
+    path = Path(vessel)
+    if path.suffix == ".toml" and is_nomoto(path):
+        if speeds:
+            raise click.UsageError(f"{vessel} is a Nomoto ship: --speed is for boats")
+        report = page.of_nomoto(path)
+    else:
+        file = load_vessel(vessel)
+        report = page.of_vessel(file, speeds or (file.run.start_speed_kn,))
+    show(report, page.render, lambda: page.panels(report), options)
+
+
+@click.command()
 @click.argument("file", type=TOML)
 @click.option("--smooth", is_flag=True, help="Smooth the track by Spencer's 15 points first.")
 @click.option("--csv", type=CSV, default=None, metavar="FILE", help="Write the track as a record.")

@@ -22,11 +22,9 @@ from trainer.identify.measurements import Samples
 from trainer.identify.minimise import Search
 from trainer.identify.models import MODELS, Plant, Ship
 from trainer.identify.problem import Problem, problem_of
-from trainer.identify.uncertainty import uncertainty
+from trainer.identify.uncertainty import intervals, uncertainty
 from trainer.identify.validation import draw_outputs
 from trainer.units import KNOT
-
-WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
 
 
 @dataclass(frozen=True)
@@ -36,6 +34,7 @@ class Run:
     seed: int
     theta: Numbers  # (f,)
     deviations: Numbers  # (f,) NaN where the information was singular
+    intervals: Numbers  # (f, 2) of 95 %
     cost: float
     cost_at_truth: float
     converged: bool
@@ -87,6 +86,7 @@ def one_run(problem: Problem, truth: Numbers, seed: int) -> Run:
         seed,
         found.theta,
         known.deviations,
+        intervals(problem, found.theta, known.deviations),
         found.cost,
         cost.value(truth),
         converged=found.converged,
@@ -186,11 +186,10 @@ class Identifying:
         problem, truth = self.middle if same else experiment(*rehearsal_of(self.study, drawn))
         run = one_run(problem, truth, seed)
         found = {CONVERGED: float(run.converged), GAIN: run.cost_at_truth - run.cost}
-        each = zip(problem.names, truth, run.theta, run.deviations, strict=True)
-        for name, true, value, deviation in each:
+        each = zip(problem.names, truth, run.theta, run.deviations, run.intervals, strict=True)
+        for name, true, value, deviation, (low, high) in each:
             found[name], found[DEVIATION.format(name)] = float(value), float(deviation)
-            inside = abs(value - true) <= WIDTH * deviation
-            found[COVERED.format(name)] = float(inside)
+            found[COVERED.format(name)] = float(low <= true <= high)
         return found
 
 

@@ -159,8 +159,8 @@ def _ratio(over: float, under: float) -> float:
 
 def levers(F: Numbers, g: Numbers) -> Levers:
     """Return the lever arms of F = [Y_v, Y_r - m u. N_v, N_r - m x_G u] and g (3.4, 3.5)."""
-    l_v, l_r, l_delta = F[1, 0] / F[0, 0], F[1, 1] / F[0, 1], g[1] / g[0]
-    return Levers(float(l_v), float(l_r), float(l_delta), float(l_r - l_v))
+    l_v, l_r = _ratio(F[1, 0], F[0, 0]), _ratio(F[1, 1], F[0, 1])
+    return Levers(l_v, l_r, _ratio(g[1], g[0]), l_r - l_v)
 
 
 class Scale(NamedTuple):

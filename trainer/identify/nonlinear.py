@@ -66,6 +66,20 @@ class Bent:
         """Return the rudder [rad] that holds steady ``rate`` [rad/s] (12.1)."""
         return np.asarray(_powers(rate) @ self.curve + self.delta_0)
 
+    def rates(self, helm: float) -> tuple[float, ...]:
+        """Return all yaw rates [rad/s] that are steady under a rudder [rad], rising (12.1).
+
+        Of three the middle one does not last.
+        """
+        H1, H2, H3 = self.curve
+        found = {
+            float(root.real) + 0.0
+            for side in (1.0, -1.0)
+            for root in np.roots([H3, side * H2, H1, self.delta_0 - helm])
+            if abs(root.imag) <= ROUNDING * abs(root) and side * root.real >= 0.0
+        }
+        return tuple(sorted(found))
+
     def changed(self, names: Sequence[str], values: Sequence[Any]) -> "Bent":
         """Return the ship with other numbers by name, of LINEAR, kappa, delta_0 or CURVE."""
         told = dict(zip(names, values, strict=True))
@@ -77,7 +91,7 @@ class Bent:
 def _least_root(a: float, b: float, c: float) -> float | None:
     """Return the least positive root of a + b x + c x^2; None if there is none."""
     roots = np.roots([c, b, a])
-    found = [float(x.real) for x in roots if abs(x.imag) < 1e-12 * abs(x) and x.real > 0.0]
+    found = [float(x.real) for x in roots if abs(x.imag) <= ROUNDING * abs(x) and x.real > 0.0]
     return min(found, default=None)
 
 

@@ -25,7 +25,16 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import Record
-from trainer.identify.nomoto import Nomoto, NomotoFile, load_nomoto, nomoto, solve_motion, transfer
+from trainer.identify.nomoto import (
+    Levers,
+    Nomoto,
+    NomotoFile,
+    levers,
+    load_nomoto,
+    nomoto,
+    solve_motion,
+    transfer,
+)
 from trainer.units import KNOT
 
 STEERED: Final = ("v", "r")
@@ -47,6 +56,11 @@ class Steering:
     def nomoto(self) -> Nomoto:
         """Return gains and time constants, SI."""
         return nomoto(transfer(*solve_motion(self.M, self.F, self.g)))
+
+    @property
+    def levers(self) -> Levers:
+        """Return the lever arms and the margin of stability [m]."""
+        return levers(self.F, self.g)
 
     @property
     def prime(self) -> dict[str, float]:

@@ -17,7 +17,7 @@ from trainer.identify.models import UNITS
 from trainer.identify.nomoto import scale
 from trainer.identify.nonlinear import predict
 from trainer.identify.outcome import LARGE, Matrices, errors_of
-from trainer.identify.pages.results import Direction, Identified, Report, carry_out
+from trainer.identify.pages.results import Direction, Estimate, Identified, Report, carry_out
 from trainer.identify.residuals import Residuals
 from trainer.identify.validation import alone
 from trainer.units import DEGREE, KNOT
@@ -150,10 +150,16 @@ def _samples(report: Report) -> str:
 
 def _parameter_table(report: Report) -> list[str]:
     rows = [
-        (one.name, one.unit, f"{one.value:.5g}", figure(one.deviation, ".2g"))
+        (one.name, one.unit, f"{one.value:.5g}", figure(one.deviation, ".2g"), *_span(one))
         for one in report.parameters
     ]
-    return table(("parameter", "unit", "estimate", "std dev"), rows)
+    heads = ("parameter", "unit", "estimate", "std dev", "95 %\nfrom", "\nto")
+    return table(heads, rows)
+
+
+def _span(one: Estimate) -> tuple[str, str]:
+    """Return the ends of an interval."""
+    return figure(one.low, ".4g"), figure(one.high, ".4g")
 
 
 def _ship_table(report: Report) -> list[str]:
@@ -164,22 +170,15 @@ def _ship_table(report: Report) -> list[str]:
         units = [scale(name, report.length_m, speed) for name in ("prime", "bis")]
     for one in report.ship:
         sizes = [
-            {"s": x.time, "s^2": x.time**2, "1/s": 1.0 / x.time, "m/s": x.speed} for x in units
+            {"s": x.time, "s^2": x.time**2, "1/s": 1.0 / x.time, "m/s": x.speed, "m": x.length}
+            for x in units
         ]
         others = [f"{one.value / size[one.unit]:.4g}" for size in sizes]
-        known = [figure(x, form) for x, form in ((one.deviation, ".2g"), (one.low, ".4g"))]
-        known.append(figure(one.high, ".4g"))
-        rows.append((one.name, one.unit, f"{one.value:.5g}", *known, *others))
+        known = (f"{one.value:.5g}", figure(one.deviation, ".2g"), *_span(one))
+        rows.append((one.name, one.unit, *known, *others))
     what = "ship" if units else "system"
-    heads = (
-        what,
-        "unit",
-        "value",
-        "std dev",
-        "95 %\nfrom",
-        "\nto",
-        *("prime", "bis")[: len(units)],
-    )
+    shown = ("prime", "bis")[: len(units)]
+    heads = (what, "unit", "value", "std dev", "95 %\nfrom", "\nto", *shown)
     return table(heads, rows)
 
 

@@ -33,26 +33,16 @@ from trainer.identify.problem import Problem
 from trainer.identify.residuals import Residuals, aic_of_likelihood, examine_residuals, verdicts
 from trainer.identify.study import Observed, Study, observe, studies_of
 from trainer.identify.study_records import Ship
+from trainer.identify.uncertainty import intervals
 from trainer.identify.validation import Check, alone, bend_of, check_of, loss_alone
 from trainer.units import KNOT
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """One number and its standard deviation, None where the record does not tell."""
+    """One number, its standard deviation and its 95 % interval.
 
-    name: str
-    unit: str
-    value: float
-    deviation: float | None
-
-
-@dataclass(frozen=True)
-class ShipNumber:
-    """A gain or time constant, its standard deviation, and its 95 % interval by draws.
-
-    None where the record does not tell. Where the two differ the interval is right: the number
-    bends with the parameters.
+    None where the record does not tell. Where the two differ the interval is right.
     """
 
     name: str
@@ -61,6 +51,10 @@ class ShipNumber:
     deviation: float | None
     low: float | None
     high: float | None
+
+
+class ShipNumber(Estimate):
+    """A gain or time constant, its interval by draws: it bends with the parameters."""
 
 
 @dataclass(frozen=True)
@@ -319,17 +313,13 @@ def _finite(value: float) -> float | None:
 
 def _parameters(fitted: Fitted) -> tuple[Estimate, ...]:
     """Return the estimated parameters, unscaled."""
-    parameters, problem = fitted.problem.plant.model.parameters, fitted.problem
-    numbers = zip(
-        problem.estimated,
-        problem.names,
-        fitted.found.theta * problem.scale,
-        fitted.known.deviations * problem.scale,
-        strict=True,
-    )
+    problem, theta, known = fitted.problem, fitted.found.theta, fitted.known.deviations
+    every = np.column_stack([theta, known, intervals(problem, theta, known)])
+    rows = zip(problem.estimated, problem.names, every * problem.scale[:, None], strict=True)
+    parameters = problem.plant.model.parameters
     return tuple(
-        Estimate(name, parameters[place].unit, float(x), _finite(s))
-        for (_, place), name, x, s in numbers
+        Estimate(name, parameters[place].unit, float(value), *map(_finite, rest))
+        for (_, place), name, (value, *rest) in rows
     )
 
 

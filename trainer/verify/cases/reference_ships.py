@@ -15,7 +15,7 @@ import numpy as np
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.models import Ship
-from trainer.identify.monte_carlo import WIDTH, Rehearsal, Run, one_run
+from trainer.identify.monte_carlo import Rehearsal, Run, one_run
 from trainer.identify.problem import Problem
 from trainer.units import DEGREE, KNOT
 
@@ -44,8 +44,8 @@ class Coverage:
     @property
     def inside(self) -> Numbers:
         """Return of each parameter the share of 95 % intervals that hold the truth (f,)."""
-        away = np.abs(self.estimates - self.truth) <= WIDTH * self.deviations
-        return np.asarray(away.mean(axis=0))
+        low, high = np.moveaxis(np.array([run.intervals for run in self.runs]), 2, 0)
+        return np.asarray(((low <= self.truth) & (self.truth <= high)).mean(axis=0))
 
     @property
     def pooled(self) -> float:
