@@ -1,5 +1,7 @@
 // What the session tells, taken apart: what happened, an order that is ahead, the marks.
 
+const OF_TIME = /^(freeze|run|step|time|replay|take|quit|in|at|when|cancel|snapshot)\b/; // no signs
+
 /**
  * @typedef {{ number: string, seconds: number, when: string, text: string }} Plan an order that is ahead:
  *   its time [s], NaN where it waits for a condition; the number is "" where it is the exercise's own
@@ -9,6 +11,15 @@
 export function planOf(subject) {
   const [number, when, ...text] = subject.split(",");
   return { number, seconds: Number(when), when, text: text.join(",") };
+}
+
+/** Returns the letter of a fact on the time line, "" for none. @param {string} what @param {string} subject */
+export function signOf(what, subject) {
+  if (what === "mark") return "M";
+  if (what === "snapshot") return "S";
+  if (what !== "order" || OF_TIME.test(subject)) return "";
+  if (subject.startsWith("casualty ")) return "C";
+  return subject.startsWith("clear ") ? "c" : "o";
 }
 
 /** Returns marks as they are told in words. @param {string} subject outcome and total */
@@ -26,4 +37,25 @@ export function entryOf([, seconds, kind, text]) {
 /** Returns what is told as people say it: its time stands beside it. @param {string} text */
 export function plainly(text) {
   return text.replace(/^tick \d+ \([\d.]+ s\): /, "").replace(/^LIMIT: /, "Limit passed: ");
+}
+
+/**
+ * Returns a log with what was told before this page came, which has some of its entries as well.
+ * @param {import("./session.js").Entry[]} log
+ * @param {import("./session.js").Entry[]} earlier
+ */
+export function laidIn(log, earlier) {
+  const keys = log.map((entry) => JSON.stringify(entry));
+  const whole = [...log];
+  let place = whole.length;
+  for (const entry of earlier.toReversed()) {
+    const there = keys.slice(0, place).lastIndexOf(JSON.stringify(entry));
+    if (there >= 0) place = there;
+    else {
+      const before = whole.slice(0, place);
+      place = before.findLastIndex(({ seconds }) => seconds <= entry.seconds) + 1;
+      whole.splice(place, 0, entry);
+    }
+  }
+  return whole;
 }
