@@ -10,6 +10,7 @@ from typing import Final
 
 import pytest
 from helpers.hands import (
+    EACH_WAY,
     UNWORKED,
     WAYS,
     await_truth,
@@ -334,17 +335,24 @@ def test_nothing_is_cut_and_no_numeral_covers_another_at_any_size(
             assert page.evaluate(OVERLAPS) == [], size
 
 
-def test_the_briefing_opens_first_and_the_end_is_told(serve: Serve, look: Look) -> None:
+def test_the_briefing_opens_first_its_keys_are_worked_and_the_end_is_told(
+    serve: Serve, look: Look
+) -> None:
     served = serve("first-depth-change")
-    page, session = look(served, "planes"), served.attach()
+    page, session = look(served, "planes", has_touch=True), served.attach()
     briefing = page.locator("#briefing")
     expect(briefing).to_be_visible()
     expect(briefing).to_contain_text("By hand")
     page.keyboard.press("F1")
     expect(briefing).to_be_hidden()
-    page.keyboard.press("F1")
-    page.locator("#ready").click()
-    expect(briefing).to_be_hidden()
+    for way in EACH_WAY:
+        for key in ("#close-briefing", "#ready"):
+            work(page, page.locator("#show-briefing"), way)
+            expect(briefing).to_be_visible()
+            work(page, page.locator(key), way)
+            expect(briefing).to_be_hidden()
+        assert heard(session, "is ready")  # told once each time
+        session.news.clear()
     assert session.ask("run")[0]
     assert session.ask("end exercise")[0]
     expect(page.locator("#state")).to_have_text("ENDED")

@@ -67,7 +67,7 @@ function drawWords(/** @type {string} */ name, /** @type {Form} */ form) {
     : { x: middle, y: y + height + form.names, class: "name" };
   const worth = main
     ? { x: x + width - pad, y: half, class: "value end" }
-    : { x: middle, y: half, class: "value" };
+    : { x: middle, y: half, class: "value tight" };
   return svg(
     "g",
     { class: "words", "aria-hidden": "true", "data-part": `${name} words` },
@@ -161,10 +161,15 @@ function drawBank(name, form) {
   );
 }
 
-/** @param {string} name @param {Form} form */
-function drawDry(name, form) {
+/** Draws a compartment where no water belongs; a short form has its word below the boat. */
+function drawDry(/** @type {string} */ name, /** @type {Form} */ form) {
   const [x, y, width, height] = form.dry[name];
-  const word = { x: x + width / 2, y: y + (form.short ? 5 : 9), class: "word middle" };
+  const place = form.short ? Object.keys(form.dry).indexOf(name) : 1;
+  const word = {
+    x: x + (width * place) / 2,
+    y: form.short ? form.size[1] - 9 : y + 9,
+    class: `word ${["start", "middle", "end"][place]}`,
+  };
   return svg(
     "g",
     { class: "flooded", "data-part": name, hidden: true },

@@ -200,7 +200,7 @@ class TankMimic extends HTMLElement {
       const stands = String(valves[valve] ?? "");
       const open = stands !== "" && stands !== "shut";
       this.#parts.get(valve)?.setAttribute("data-open", String(open));
-      this.#write(`${valve} word`, stands);
+      this.#write(`${valve} word`, stands === "emergency" ? "emerg." : stands);
     }
     const blown = String(valves[`blow_${name}`] ?? "shut") !== "shut";
     this.#parts.get(`${name} air`)?.setAttribute("data-open", String(blown));
