@@ -90,7 +90,7 @@ def report(page: Page, words: str, way: str) -> None:
     field = page.get_by_label("Report", exact=True)
     work(page, field, way)
     field.fill(words)
-    work(page, page.locator("report-bar button"), way)
+    work(page, page.locator("report-bar form button"), way)
     expect(field).to_be_empty()
 
 

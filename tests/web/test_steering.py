@@ -142,6 +142,27 @@ def test_each_half_of_a_small_pilot_s_page_works_without_the_other(
     work(page, page.get_by_role("button", name="Steer", exact=True), way)
     work(page, page.locator("[data-bell='astern full']"), way)
     await_truth(instructor, "engine.bell", "astern-full")
+    report_by_key(page, instructor, way)
+
+
+def report_by_key(page: Page, instructor: Caller, way: str) -> None:
+    """Report by the window that a phone has in the bar's place, held either way."""
+    key, window = page.locator("report-bar > .open"), page.locator("report-bar dialog")
+    for size, words in (("phone", "on depth"), ("phone-side", "steady")):
+        width, height = SIZES[size]
+        page.set_viewport_size({"width": width, "height": height})
+        work(page, key, way)
+        assert page.evaluate(BEYOND) == [], size
+        work(page, window.get_by_role("button", name=words), way)
+        expect(window).to_be_hidden()
+        assert heard(instructor, words)
+        work(page, key, way)
+        report(page, f"{words} by {way}", way)
+        expect(window).to_be_hidden()
+        assert heard(instructor, f"{words} by {way}")
+        work(page, key, way)
+        work(page, window.get_by_role("button", name="Close"), way)
+        expect(window).to_be_hidden()
 
 
 def standing(page: Page, name: str) -> int:

@@ -1,6 +1,7 @@
 // What the session tells, taken apart: what happened, an order that is ahead, the marks.
 
 const OF_TIME = /^(freeze|run|step|time|replay|take|quit|in|at|when|cancel|snapshot)\b/; // no signs
+const NEAR = 1; // [s] between a page's clock and the session's, when the page notes what it has done
 
 /**
  * @typedef {{ number: string, seconds: number, when: string, text: string }} Plan an order that is ahead:
@@ -40,22 +41,29 @@ export function plainly(text) {
 }
 
 /**
- * Returns a log with what was told before this page came, which has some of its entries as well.
+ * Returns a log with what was told before this page came. Some of it is there: what came while it
+ * was asked for, and what this page has done itself, by its own clock.
  * @param {import("./session.js").Entry[]} log
  * @param {import("./session.js").Entry[]} earlier
  */
 export function laidIn(log, earlier) {
-  const keys = log.map((entry) => JSON.stringify(entry));
   const whole = [...log];
   let place = whole.length;
   for (const entry of earlier.toReversed()) {
-    const there = keys.slice(0, place).lastIndexOf(JSON.stringify(entry));
-    if (there >= 0) place = there;
-    else {
-      const before = whole.slice(0, place);
-      place = before.findLastIndex(({ seconds }) => seconds <= entry.seconds) + 1;
-      whole.splice(place, 0, entry);
-    }
+    const before = whole.slice(0, place);
+    const there = before.findLastIndex((each) => same(each, entry));
+    place = there >= 0 ? there : before.findLastIndex((each) => each.seconds <= entry.seconds) + 1;
+    if (there < 0) whole.splice(place, 0, entry);
   }
   return whole;
+}
+
+/** @param {import("./session.js").Entry} one @param {import("./session.js").Entry} other */
+function same(one, other) {
+  return Math.abs(one.seconds - other.seconds) <= NEAR && said(one.text) === said(other.text);
+}
+
+/** Returns a text without the line of who has said it. @param {string} text */
+function said(text) {
+  return text.replace(/^(mark by \w+|\w+) at .+?: /, "$1: ");
 }
