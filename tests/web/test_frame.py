@@ -115,7 +115,7 @@ def test_a_page_that_comes_at_the_start_knows_what_was_done_before(
     for words in ("mark she is light", "mark she is heavy", "casualty stern-stuck"):
         assert instructor.ask(words)[0]
     log = opened(look, shared, "observer").locator("#log li", has_text="she is")
-    expect(log).to_contain_text(["heavy", "light"])
+    expect(log).to_contain_text(["light", "heavy"])
     line = opened(look, shared, "instructor").locator("time-line")
     expect(line.locator(".mark")).to_have_count(2)
     expect(line.locator(".casualty")).to_have_count(1)
