@@ -84,6 +84,8 @@ def test_an_alert_is_in_plain_words_without_its_tick_and_is_acknowledged(
     assert not [words for words in told if re.search(r"\btick\b|\(\d", words)]
     new = page.locator("alert-bar .alert[data-new] b").get_by_text(told[0], exact=True)
     expect(new).to_have_count(1)
+    page.set_viewport_size({"width": 360, "height": 640})
+    expect(page.locator("alert-bar .alert button").first).to_be_in_viewport(ratio=1.0)
     if way == "keyboard":
         page.locator("body").press("a")
     else:

@@ -1,6 +1,6 @@
 // What the session tells, taken apart: what happened, an order that is ahead, the marks.
 
-const OF_TIME = /^(freeze|run|step|time|replay|take|quit|in|at|when|cancel|snapshot)\b/; // no signs
+const OF_TIME = /^(freeze|run|step|time|replay|take|quit|in|at|when|cancel|snapshots?)\b/; // no signs
 const NEAR = 1; // [s] between a page's clock and the session's, when the page notes what it has done
 
 /**
