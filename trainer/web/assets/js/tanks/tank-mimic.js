@@ -4,6 +4,7 @@ import { chevron, drawTanks, sideways } from "./drawing.js";
 import { BANKS, BLOWN, MAIN, MOVED, NARROW, TITLES, WIDE } from "./places.js";
 
 const ROOM = 900; // [px] from which on the wide form is drawn
+const FLAT = 2.6; // [-] width by height, above which it is the larger one
 const FLOWS = 4000; // [ms] after which a level that stands still flows no more
 const SPOKEN = 2000; // [ms] between changes of what a tank's label says
 const LOW = [5, 20]; // [%] of a bank: warning, caution
@@ -75,7 +76,8 @@ class TankMimic extends HTMLElement {
   // drawing
 
   #fit() {
-    const form = this.clientWidth >= ROOM ? WIDE : NARROW;
+    const [width, height] = [this.clientWidth, this.clientHeight];
+    const form = width >= ROOM && width >= FLAT * height ? WIDE : NARROW;
     if (form === this.#form) return;
     this.#form = form;
     this.#spoken.clear();
