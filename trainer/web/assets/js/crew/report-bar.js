@@ -12,7 +12,8 @@ class ReportBar extends HTMLElement {
     if (session.alone) return; // nobody would hear it
     const close = html("button", { type: "button", click: () => dialog.close() }, "Close");
     const give = (/** @type {string} */ words) => {
-      if (words) void session.order(`report ${words}`);
+      if (!words) return;
+      void session.order(`report ${words}`);
       dialog.close();
     };
     const usual = USUAL.map((words) =>

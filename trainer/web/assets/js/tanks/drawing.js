@@ -108,7 +108,7 @@ function drawSea(name, form) {
     {},
     svg("path", { d: `M${middle} ${start}V${form.keel}`, class: "pipe" }),
     name === "negative"
-      ? drawValve("negative_flood", middle, form.trim, form)
+      ? drawValve("negative_flood", middle, form.trim, form, 15) // not on the trim pipe
       : svg("circle", { cx: middle, cy: form.trim, r: form.short ? 7 : 11, class: "pump" }),
   );
 }
@@ -128,8 +128,14 @@ function drawTrim(form) {
   );
 }
 
-/** @param {string} name @param {number} x @param {number} y @param {Form} form */
-function drawValve(name, x, y, form) {
+/**
+ * @param {string} name
+ * @param {number} x
+ * @param {number} y
+ * @param {Form} form
+ * @param {number} [below] how far below the valve its word stands
+ */
+function drawValve(name, x, y, form, below = 0) {
   const place = `translate(${x} ${y}) scale(${form.short ? 0.75 : 1})`;
   return svg(
     "g",
@@ -140,7 +146,7 @@ function drawValve(name, x, y, form) {
       svg("path", { d: "M-8 -10H8L-8 10H8Z", class: "body" }),
       svg("path", { d: "M-11 0H11", class: "lever" }),
     ),
-    !form.short && svg("text", { x: x + 15, y, class: "word", "data-part": `${name} word` }),
+    !form.short && svg("text", { x: x + 15, y: y + below, class: "word", "data-part": `${name} word` }),
   );
 }
 
