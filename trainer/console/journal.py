@@ -53,7 +53,7 @@ class Kept(NamedTuple):
 
 
 def plan_of(subject: str) -> list[Kept]:
-    """Return an order that is ahead for the time line; none where its time is not known."""
+    """Return an order that is ahead; none where its time is not known."""
     _, when, text = (*subject.split(",", 2), "", "")[:3]
     try:
         seconds = float(when)

@@ -25,7 +25,7 @@ def log(model: SessionModel, width: int, height: int) -> Lines:
 
 
 def time_line(model: SessionModel, width: int, _height: int) -> Lines:
-    """Return the run in one line: signs for moments and plans, a bar for the present."""
+    """Return the run in one line: moments, plans, a bar for the present."""
     now, end = model.picture.seconds, end_of(model)
     left = line((" 00:00 ", "dim"))
     right = line((f" {clock(end)} ", "dim"))
