@@ -44,7 +44,7 @@ def time_at(model: SessionModel, width: int, column: int) -> float:
 
 
 def end_of(model: SessionModel) -> float:
-    """Return how long the line of time is [s]: what has been flown, and what is planned."""
+    """Return how long the line of time is [s]: flown, and planned."""
     ahead = (each.seconds for each in model.plans)
     return max(model.picture.seconds, model.furthest, 1.0, *ahead)
 
