@@ -9,7 +9,7 @@ import click
 
 from trainer.cli.answers import AHEAD, Number, outputs, show
 from trainer.cli.shared_options import CSV, FILE, HTML, SEA, TOML, VESSEL, VESSEL_HELP, together
-from trainer.cli.types import File
+from trainer.cli.types import Deeper, File
 
 if TYPE_CHECKING:
     from trainer.identify.pages.results import Identified
@@ -180,7 +180,7 @@ model_options = together(
 )
 
 
-@click.command()
+@click.command(cls=Deeper)
 @click.argument("file", type=RECORD, required=False)
 @model_options
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
@@ -193,15 +193,30 @@ model_options = together(
 @click.option("--write-nomoto", type=TOML, default=None, help="Write the ship in few numbers.")
 @click.option("--write-vessel", type=TOML, default=None, help="Write the vessel file changed.")
 @click.option("--html", type=HTML, default=None, metavar="FILE", help="Write one HTML page.")
+@click.option(
+    "--example",
+    is_flag=False,
+    flag_value="",
+    default=None,
+    metavar="[FOLDER]",
+    help="Fit the record shipped as an example; with FOLDER, a copy of it there.",
+)
 @click.option("--selftest", is_flag=True, help="Run the acceptance tests of identification.")
 @outputs
-def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa: FBT001
+def identify(
+    file: Path | None,
+    selftest: bool,  # noqa: FBT001
+    example: str | None,
+    **options: Any,
+) -> None:
     """Identify a ship from a record of helm and motion (LISPID).
 
     FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it.
+    `trainer identify new RECORD` writes a study of any CSV file.
 
     \b
-    Example:  trainer identify study.toml --plot fit.png
+    Example:  trainer identify --example
+              trainer identify study.toml --plot fit.png
               trainer identify trial.trainer --model 1 --vessel bb2 --write-vessel bb2-found.toml
               trainer identify trial.csv --armax --most 5
 
@@ -214,6 +229,8 @@ def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa
         from trainer.verify.cases.selftest import run_selftest  # noqa: PLC0415
 
         sys.exit(0 if run_selftest(click.echo) else 1)
+    if example is not None:
+        file = _example(file, example)
     if file is None:
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
     from trainer.identify.options import study_of  # noqa: PLC0415
@@ -222,6 +239,53 @@ def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa
     if options["armax"]:
         sys.exit(_armax(study, options))
     sys.exit(_model(study, options))
+
+
+@identify.below
+@click.command()
+@click.argument("record", type=File(".csv", ".trainer"))
+@click.option("-o", "--output", type=TOML, default=None, metavar="FILE", help="[default: beside]")
+@click.option("--length", type=POSITIVE, default=None, help="Of the ship, metres.")
+@click.option("--at", "knots", type=AHEAD, default=None, help="Speed, knots.")
+def new(record: Path, output: Path | None, length: float | None, knots: float | None) -> None:
+    """Write a study of a record with comments, to be corrected; never over another file.
+
+    Columns are told by their names and units, the sign of the rudder by how the ship turns.
+
+    \b
+    Example:  trainer identify new trial.csv --length 70.2 --at 10
+              trainer identify new trial.csv -o study.toml
+    """
+    from trainer.identify.proposal import write_proposal  # noqa: PLC0415
+
+    path = output or record.with_suffix(".toml")
+    found = write_proposal(record, path, length, knots)
+    columns = ", ".join(f"{key} in {one.name}" for key, one in found.columns.items())
+    click.echo(f"{path}: {found.rows} rows every {found.interval:.6g} s: {columns}")
+    for remark in found.remarks:
+        click.echo(f"  {remark}")
+    lacking = "" if length else "fill in the length of [ship]; "
+    click.echo(f"{lacking}fit it by: trainer identify {path}")
+
+
+def _example(file: Path | None, folder: str) -> Path:
+    """Return the study shipped as an example, copied to a folder if one is given."""
+    from trainer.config.files import ConfigError, read_text, shipped, write_once  # noqa: PLC0415
+
+    if file is not None:
+        raise click.UsageError("--example has a record of its own: give no FILE")
+    study = shipped("records", "example")
+    if not folder:
+        return study
+    place = Path(folder)
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"--example {folder}: cannot be made: {error.strerror}") from error
+    for path in (study, study.with_suffix(".csv")):
+        write_once(place / path.name, read_text(path))
+        click.echo(f"{place / path.name} written", err=True)
+    return place / study.name
 
 
 def _armax(study: Any, options: dict[str, Any]) -> int:

@@ -28,7 +28,22 @@ CHANNELS: Final = {  # what may be recorded beside time, and its unit
     "stern_sway": "m/s",
     "speed": "m/s",
 }
+PLACES: Final = ("latitude", "longitude")  # that sway is made of
+SAMPLES: Final = 5  # to a coefficient, at least
 OUTPUTS: Final = tuple(name for name in CHANNELS if name != "rudder")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something about a record that an analyst should know; row 0 is the whole column."""
+
+    column: str
+    row: int
+    text: str
+
+    def __str__(self) -> str:
+        where = f"row {self.row}: " if self.row else ""
+        return f"{where}{self.column}: {self.text}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +52,7 @@ class Record:
 
     ``rudder[k]`` acts from ``t[k]`` to ``t[k+1]``. The heading is not wrapped. ``rows`` is the
     place of each sample in its source, as people count, and ``names`` the source's own word for
-    each channel, for messages.
+    each channel, for messages. ``told`` is what was found when it was read.
     """
 
     source: str
@@ -49,8 +64,11 @@ class Record:
     bow_sway: Numbers | None = None  # [m/s] at the forward log
     stern_sway: Numbers | None = None  # [m/s] at the aft log
     speed: Numbers | None = None  # [m/s]
+    latitude: Numbers | None = None  # [rad] of the antenna
+    longitude: Numbers | None = None  # [rad] likewise
     rows: NDArray[np.int64]
     names: Mapping[str, str]
+    told: tuple[Finding, ...] = ()
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -111,6 +129,16 @@ class Record:
         held = np.add.reduceat(self.rudder, starts)
         sizes = np.diff([*starts, len(self.t)])
         return replace(thin, rudder=held / sizes)
+
+
+def check_count(record: Record, samples: int, coefficients: int) -> None:
+    """Check that there are enough samples to a coefficient; ConfigError with both counts."""
+    if samples < SAMPLES * coefficients:
+        raise ConfigError(
+            f"{record.source}: {samples} samples for {coefficients} coefficients: needs "
+            f"{SAMPLES} to each, {SAMPLES * coefficients}: record longer, take more of the rows "
+            '(every, from_s, to_s), fit a simpler model, or fix some, free = "no"'
+        )
 
 
 Places = NDArray[np.int64]
