@@ -1,8 +1,7 @@
 """The analyst's programs: experiments designed, ships identified, lanes made into tracks."""
 
-import contextlib
 import sys
-from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -20,6 +19,7 @@ CHANNELS: Final = ("sway", "yaw_rate", "heading")
 RECORD: Final = File(".toml", ".trainer", ".csv")
 SYSTEM: Final = File(".toml", ".py")
 TURNS: Final = File(".toml", ".csv")
+FITS: Final = "the kernels of fits, once (up to a minute)"
 POSITIVE: Final = Number(0.0, 1e6, min_open=True)
 
 
@@ -338,19 +338,6 @@ def _example(files: tuple[Path, ...], folder: str) -> Path:
     return place / study.name
 
 
-@contextlib.contextmanager
-def _announcing() -> Iterator[None]:
-    """Say that the kernels of a fit are compiled in the block, where they have not been before."""
-    from trainer.boat import compilation  # noqa: PLC0415
-
-    compiled = compilation.mark("fits", "identify/kernels")
-    if not compiled.exists() and not compilation.is_interpreted():
-        click.echo("compiling the kernels of fits, once (up to a minute) ...", err=True)
-    yield
-    with contextlib.suppress(OSError):
-        compiled.touch()
-
-
 def _data(study: Any, options: dict[str, Any]) -> int:
     """Show a record alone; return the exit code."""
     from trainer.identify.pages import record as page  # noqa: PLC0415
@@ -376,9 +363,11 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
 
 def fit_ship(study: Any, options: dict[str, Any]) -> "Identified":
     """Return a ship model fitted and what there is to say of it. ConfigError if it cannot be."""
+    from trainer.boat import compilation  # noqa: PLC0415
     from trainer.identify.pages import identify as page  # noqa: PLC0415
 
-    with _announcing():
+    tell = partial(click.echo, err=True)
+    with compilation.announced(FITS, tell, "fits", "identify/kernels"):
         return page.carry_out(study, options, _progress)
 
 
