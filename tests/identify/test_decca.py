@@ -12,22 +12,24 @@ from helpers.decca_run import CASES, CHAIN, TRACK, write_run
 from trainer.cli.identify import decca
 from trainer.config.files import ConfigError
 from trainer.identify.decca import (
-    SPENCER,
     Point,
     Slave,
     convergence,
-    derivative,
-    even_interval,
     fixes,
     lane_at,
     lane_number,
     resolve_lane,
-    smooth_spencer,
-    sway_of_track,
     track,
 )
 from trainer.identify.decca_study import load_decca, load_readings, sail, write_track
 from trainer.identify.sources import Column, load_record
+from trainer.identify.track import (
+    SPENCER,
+    derivative,
+    even_interval,
+    smooth_spencer,
+    sway_of_track,
+)
 
 
 @pytest.mark.parametrize("case", CASES["lanes"], ids=lambda case: case["colour"])
@@ -162,7 +164,7 @@ def test_the_track_is_written_as_a_record(tmp_path: Path) -> None:
     write_track(sailed, tmp_path / "sway.csv")
     record = load_record(
         tmp_path / "sway.csv",
-        {"t": Column("t", 1.0), "sway": Column("v", 1.0), "heading": Column("psi", 1.0)},
+        {"t": Column("t", "s"), "sway": Column("v", "m/s"), "heading": Column("psi", "rad")},
     )
     assert record.sway == pytest.approx(sailed.sway, nan_ok=True)
 

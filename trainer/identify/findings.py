@@ -5,17 +5,17 @@ What cannot be used is refused with a ConfigError; what may mislead is told.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.measurements import OUTPUTS, Record
+from trainer.identify.measurements import OUTPUTS, Finding, Record
+from trainer.identify.track import EVEN, unwrapped
 
 GAP: Final = 1.5  # [-] of the usual interval: a longer one is a gap
-STEADY: Final = 1e-3  # [-] of the usual interval: times that differ less are at one interval
 STILL: Final = math.radians(0.01)  # [rad] standard deviation of a rudder that does not move
 TURNED: Final = math.radians(100.0)  # [rad] no rudder goes so far, no ship turns so fast a second
 FAINT: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
@@ -31,25 +31,12 @@ HALF_TURN: Final = math.pi
 FEWEST: Final = 20  # samples, to judge signs and loops
 
 
-@dataclass(frozen=True)
-class Finding:
-    """Something about a record that an analyst should know; row 0 is the whole column."""
-
-    column: str
-    row: int
-    text: str
-
-    def __str__(self) -> str:
-        where = f"row {self.row}: " if self.row else ""
-        return f"{where}{self.column}: {self.text}"
-
-
 def examine(record: Record) -> list[Finding]:
     """Return what may mislead in a record; ConfigError with all that forbids its use."""
     problems = [*_rudder_problems(record), *_unit_problems(record)]
     if problems:
         raise ConfigError(*(f"{record.source}: {problem}" for problem in problems))
-    found = [*_intervals(record), *_missing(record), *_jumps(record)]
+    found = [*record.told, *_intervals(record), *_missing(record), *_jumps(record)]
     signs = list(_wrong_sign(record))
     return found + signs + list(_find_feedback(record)) + list(_constant_outputs(record))
 
@@ -58,10 +45,7 @@ def unwrap_heading(record: Record) -> Record:
     """Return the record with a heading that does not jump by whole turns."""
     if record.heading is None:
         return record
-    heading = record.heading.copy()
-    known = ~np.isnan(heading)
-    heading[known] = np.unwrap(heading[known])
-    return replace(record, heading=heading)
+    return replace(record, heading=unwrapped(record.heading))
 
 
 def _rudder_problems(record: Record) -> Iterator[Finding]:
@@ -139,7 +123,7 @@ def _intervals(record: Record) -> Iterator[Finding]:
             record.row(first + 1),
             f"{step[first]:g} s have passed, the interval is {usual:g} s{more}",
         )
-    others = np.abs(step / usual - np.maximum(np.round(step / usual), 1.0)) > STEADY
+    others = np.abs(step / usual - np.maximum(np.round(step / usual), 1.0)) > EVEN
     if others.any():
         place = int(np.argmax(others))
         share = f"{np.count_nonzero(others)} of {step.size}"

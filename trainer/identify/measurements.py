@@ -28,7 +28,21 @@ CHANNELS: Final = {  # what may be recorded beside time, and its unit
     "stern_sway": "m/s",
     "speed": "m/s",
 }
+PLACES: Final = ("latitude", "longitude")  # that sway is made of
 OUTPUTS: Final = tuple(name for name in CHANNELS if name != "rudder")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something about a record that an analyst should know; row 0 is the whole column."""
+
+    column: str
+    row: int
+    text: str
+
+    def __str__(self) -> str:
+        where = f"row {self.row}: " if self.row else ""
+        return f"{where}{self.column}: {self.text}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +51,7 @@ class Record:
 
     ``rudder[k]`` acts from ``t[k]`` to ``t[k+1]``. The heading is not wrapped. ``rows`` is the
     place of each sample in its source, as people count, and ``names`` the source's own word for
-    each channel, for messages.
+    each channel, for messages. ``told`` is what was found when it was read.
     """
 
     source: str
@@ -49,8 +63,11 @@ class Record:
     bow_sway: Numbers | None = None  # [m/s] at the forward log
     stern_sway: Numbers | None = None  # [m/s] at the aft log
     speed: Numbers | None = None  # [m/s]
+    latitude: Numbers | None = None  # [rad] of the antenna
+    longitude: Numbers | None = None  # [rad] likewise
     rows: NDArray[np.int64]
     names: Mapping[str, str]
+    told: tuple[Finding, ...] = ()
 
     @property
     def channels(self) -> tuple[str, ...]:

@@ -57,7 +57,7 @@ def _model(study: Study, options: dict[str, Any]) -> ModelTable:
             f"{study.path.name}: lacks [model]: say --model 1, 2, 3, nomoto1 or nomoto2"
         )
     outputs = tuple(options["channels"]) or (study.model.outputs if study.model else ())
-    outputs = outputs or tuple(name for name in USUAL if name in study.columns)
+    outputs = outputs or tuple(name for name in USUAL if name in study.channels)
     kept = tuple(name for name in outputs if name in MODELS[kind].outputs)
     if not kept:
         raise ConfigError(f"model {kind} has outputs {', '.join(MODELS[kind].outputs)}")

@@ -9,8 +9,8 @@ import numpy as np
 
 from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
 from trainer.config.schema import described, file_schema, read_record, record_schema
-from trainer.identify.findings import Finding, examine, unwrap_heading
-from trainer.identify.measurements import Record
+from trainer.identify.findings import examine, unwrap_heading
+from trainer.identify.measurements import Finding, Record
 from trainer.identify.sources import (
     USUAL,
     Column,
@@ -29,13 +29,21 @@ from trainer.identify.study_records import (
     ModelTable,
     ParameterRow,
     Ship,
+    Track,
 )
+from trainer.identify.track import Drift, with_sway
 from trainer.io.paths import SUFFIX
 from trainer.units import KNOT
 
-TABLES: Final = ("columns", "ship", "sensors", "model", "parameters", "armax")
+OPTIONAL: Final = {
+    "ship": Ship,
+    "sensors": Sensors,
+    "track": Track,
+    "model": ModelTable,
+    "armax": ArmaxTable,
+}
+TABLES: Final = ("columns", "parameters", *OPTIONAL)
 KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
-OPTIONAL: Final = {"ship": Ship, "sensors": Sensors, "model": ModelTable, "armax": ArmaxTable}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,9 +55,15 @@ class Study:
     columns: Mapping[str, Column]
     ship: Ship | None
     sensors: Sensors | None
+    track: Track | None
     model: ModelTable | None
     parameters: tuple[ParameterRow, ...]
     armax: ArmaxTable | None
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Return what is recorded, and the sway of a track."""
+        return (*self.columns, "sway") if "latitude" in self.columns else tuple(self.columns)
 
     @property
     def data(self) -> Path:
@@ -74,6 +88,7 @@ def plain_study(data: Path) -> Study:
         columns=own_columns(),
         ship=None,
         sensors=USUAL if data.suffix == SUFFIX else None,
+        track=None,
         model=None,
         parameters=(),
         armax=None,
@@ -130,7 +145,9 @@ def _columns(rows: tuple[ColumnRow, ...], place: Place) -> dict[str, Column]:
     found = {}
     for i, row in enumerate(rows):
         try:
-            found[row.channel] = Column(row.column, factor(row.channel, row.unit))
+            if row.unit is not None:
+                factor(row.channel, row.unit)
+            found[row.channel] = Column(row.column, row.unit)
         except ConfigError as wrong:
             problems.append(place.inside(f"columns[{i}]").problem(str(wrong)))
     if found and "rudder" not in found and not problems:
@@ -196,6 +213,7 @@ def observe(study: Study) -> Observed:
         record = replace(record, t=record.t * (heading.interval_s or 1.0))
     if heading.positive_rudder == "starboard" and record.rudder is not None:
         record = replace(record, rudder=-record.rudder)
+    record = with_sway(record, _drift(study.track or Track()))
     findings = examine(record)
     record = unwrap_heading(record).every(int(heading.every or 1))
     if study.sensors is not None:
@@ -205,6 +223,12 @@ def observe(study: Study) -> Observed:
         np.inf if heading.to_s is None else heading.to_s,
     )
     return Observed(record, tuple(findings))
+
+
+def _drift(track: Track) -> Drift:
+    """Return current [m/s] and antenna [m] of a track."""
+    east, north = (KNOT * (one or 0.0) for one in (track.current_east_kn, track.current_north_kn))
+    return Drift(east, north, track.antenna_m or 0.0)
 
 
 def speed_of(study: Study, record: Record) -> float:

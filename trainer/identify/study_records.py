@@ -16,7 +16,7 @@ from trainer.config.schema import (
     within,
 )
 from trainer.identify.armax_orders import TREATMENTS
-from trainer.identify.measurements import CHANNELS, OUTPUTS
+from trainer.identify.measurements import CHANNELS, OUTPUTS, PLACES
 from trainer.identify.sources import Sensors
 
 LONGEST: Final = 1e9  # [s]
@@ -24,6 +24,7 @@ MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 NOISES: Final = ("output-error", "innovations", "covariance")
 METHODS: Final = ("scoring", "bfgs", "direct")
 YES_NO: Final = ("yes", "no")
+TURNING: Final = Choice(("port", "starboard"), "way a positive rudder turns the ship; else port")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,9 +34,7 @@ class Heading:
     schema: str = of(Choice(("identify/1",), "form of the file"))
     name: str = of(Text(79, "what is studied"))
     data: str = of(Text(200, "CSV file or recording, from this file's folder"))
-    positive_rudder: str | None = optional(
-        Choice(("port", "starboard"), "way a positive rudder turns the ship; else port")
-    )
+    positive_rudder: str | None = optional(TURNING)
     from_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "first time used"))
     to_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "last time used"))
     every: float | None = optional(Quantity("-", within(1, 1000), "takes one sample of so many"))
@@ -48,9 +47,11 @@ class Heading:
 class ColumnRow:
     """Where one channel is found; a recording of the trainer needs none."""
 
-    channel: str = of(Choice(("t", *CHANNELS), "what it is"))
+    channel: str = of(Choice(("t", *CHANNELS, *PLACES), "what it is"))
     column: str = of(Text(80, "heading of the column"))
-    unit: str = of(Text(8, "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn"))
+    unit: str | None = optional(
+        Text(8, "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, ddmm; else what the file says")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +72,17 @@ class Ship:
     vessel: str | None = optional(
         Text(200, "vessel file that acceleration terms and starting values come from")
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Track:
+    """What lies between a track of latitudes and longitudes and the ship's sway."""
+
+    antenna_m: float | None = optional(
+        Quantity("m", within(-600, 600), "forward of the centre of mass; else 0")
+    )
+    current_east_kn: float | None = optional(Quantity("kn", within(-20, 20), "taken off; else 0"))
+    current_north_kn: float | None = optional(Quantity("kn", within(-20, 20), "likewise"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,7 +133,7 @@ class ArmaxTable:
     lags: float | None = optional(Quantity("-", within(1, 50), "of the residual tests; else 10"))
 
 
-COLUMNS: Final = Rows(ColumnRow, ("note",), 0, len(CHANNELS) + 1, "columns, below")
+COLUMNS: Final = Rows(ColumnRow, ("note",), 0, len(CHANNELS) + 3, "columns, below")
 PARAMETERS: Final = Rows(ParameterRow, ("note",), 0, 60, "parameters, below")
 
 RECORDS: Final = {
@@ -129,6 +141,7 @@ RECORDS: Final = {
     "[columns]": ColumnRow,
     "ship": Ship,
     "sensors": Sensors,
+    "track": Track,
     "model": ModelTable,
     "[parameters]": ParameterRow,
     "armax": ArmaxTable,

@@ -146,9 +146,9 @@ c = -0.004
 Loader = Callable[[Path], Any]
 FILE: Final = "proof.toml"
 COLUMNS: Final = {
-    "t": Column("t", 1.0),
-    "rudder": Column("rudder", 1.0),
-    "heading": Column("heading", 1.0),
+    "t": Column("t", "s"),
+    "rudder": Column("rudder", "rad"),
+    "heading": Column("heading", "rad"),
 }
 
 
