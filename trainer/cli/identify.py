@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, outputs, show
 from trainer.cli.shared_options import CSV, FILE, HTML, SEA, TOML, VESSEL, VESSEL_HELP, together
 from trainer.cli.types import File
@@ -147,9 +148,10 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
 model_options = together(
     click.option(
         "--model",
-        type=click.Choice(MODELS),
+        type=click.Choice((*MODELS, *ships.MODELS)),
         default=None,
-        help="1 sway and yaw, 2 sway, 3 yaw, or Nomoto's. [default: the study's]",
+        help="1 sway and yaw, 2 sway, 3 yaw, Nomoto's, or with speed and --ship the last four. "
+        "[default: the study's]",
     ),
     click.option("--vessel", type=VESSEL, default=None, help=VESSEL_HELP),
     click.option("--length", type=POSITIVE, default=None, help="Of the ship, metres."),
@@ -180,9 +182,27 @@ model_options = together(
 )
 
 
+of_ships = together(
+    click.option("--ship", type=TOML, default=None, help="Dimensions, for linear to mmg."),
+    click.option(
+        "--prior-strength",
+        type=Number(0.0, 100.0),
+        default=0.5,
+        show_default=True,
+        help="Widths of what books say, times this; 0 for no book.",
+    ),
+    click.option(
+        "--predict", type=RECORD, multiple=True, help="A record held back, may be repeated."
+    ),
+    click.option("--write-ship", type=TOML, default=None, help="Write the ship; it sails."),
+    click.option("--coefficients", type=CSV, default=None, help="Write them and their covariance."),
+)
+
+
 @click.command()
-@click.argument("file", type=RECORD, required=False)
+@click.argument("files", type=RECORD, nargs=-1)
 @model_options
+@of_ships
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
 @click.option("--most", type=click.IntRange(1, 10), default=None, help="Highest ARMAX order.")
 @click.option("--against", type=click.Choice(MODELS), help="Test it against a simpler model.")
@@ -195,15 +215,17 @@ model_options = together(
 @click.option("--html", type=HTML, default=None, metavar="FILE", help="Write one HTML page.")
 @click.option("--selftest", is_flag=True, help="Run the acceptance tests of identification.")
 @outputs
-def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa: FBT001
+def identify(files: tuple[Path, ...], selftest: bool, **options: Any) -> None:  # noqa: FBT001
     """Identify a ship from a record of helm and motion (LISPID).
 
-    FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it.
+    FILES is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it. Models
+    linear, mavmm, abkowitz and mmg take CSV files of one ship, as many as there are.
 
     \b
     Example:  trainer identify study.toml --plot fit.png
               trainer identify trial.trainer --model 1 --vessel bb2 --write-vessel bb2-found.toml
               trainer identify trial.csv --armax --most 5
+              trainer identify zz20.csv --model mmg --ship ship.toml --predict zz10.csv
 
     Exit code 1 when the fit does not settle, or an acceptance test fails.
     """
@@ -214,11 +236,15 @@ def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa
         from trainer.verify.cases.selftest import run_selftest  # noqa: PLC0415
 
         sys.exit(0 if run_selftest(click.echo) else 1)
-    if file is None:
+    if not files:
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
+    if options["model"] in ships.MODELS:
+        sys.exit(ships.identify(files, options))
+    if len(files) > 1:
+        raise click.UsageError(f"one record at a time, but for --model {', '.join(ships.MODELS)}")
     from trainer.identify.options import study_of  # noqa: PLC0415
 
-    study = study_of(file, options)
+    study = study_of(files[0], options)
     if options["armax"]:
         sys.exit(_armax(study, options))
     sys.exit(_model(study, options))
