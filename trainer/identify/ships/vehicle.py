@@ -21,10 +21,12 @@ from trainer.identify.ships.ship_file import Result, ShipFile
 from trainer.units import KNOT
 
 COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")
-STEP: Final = 0.0125  # [L/U] of a cycle
+STEP: Final = 0.025  # [L/U] of a cycle
 STEADY_STEPS: Final = 60  # of Newton, to speed held straight
 CLOSE: Final = 1e-10
 DRAWS: Final = 100
+FEWEST_DRAWS: Final = 20  # of a long manoeuvre,
+MOST_CYCLES: Final = 600_000  # so that all of them together take no more
 MOST_LOST: Final = 0.5  # [-] of the draws
 BEYOND: Final = 1.05  # [-] of the range seen, from which it is told
 
@@ -54,6 +56,8 @@ class IdentifiedShip:
         self._whole = np.array([ship.coefficients[name] for name in self._model.names])
         self._limit = math.radians(ship.dimensions.rudder_limit_deg)
         self._state, self._place = np.zeros(4), np.zeros(2)
+        self._record, self._out = np.zeros((2, 10)), np.empty((2, 4))
+        self._values = np.concatenate([self._whole, np.zeros(7 + 4)])
         self._neutral = self._rudder = self._ordered = self._turns = self._time = 0.0
 
     @property
@@ -135,21 +139,17 @@ class IdentifiedShip:
         most = math.radians(self.file.dimensions.rudder_rate_deg_s) * h
         before, state = self._rudder, self._state
         self._rudder += min(max(self._ordered - before, -most), most)
-        record = np.zeros((2, 10))
-        record[:, 4], record[:, 5] = (before, self._rudder), self._turns
-        record[:, 8:] = h, 1.0
-        out = np.empty((2, 4))
-        values = np.concatenate([self._whole, np.zeros(7), state])
+        record, out, values = self._record, self._out, self._values
+        record[0, 4], record[1, 4] = before, self._rudder
+        record[0, 5] = record[1, 5] = self._turns
+        record[0, 8], record[0, 9] = h, 1.0
+        values[-4:] = state
         if sail_record(self._constants, self._terms, values, record, out) < 2:
             raise LostError(f"{self.name} is no ship under way after {self._time:g} s")
         self._state = out[1].copy()
-        middle = 0.5 * (state + self._state)
-        self._place += h * np.array(
-            [
-                middle[0] * math.cos(middle[3]) - middle[1] * math.sin(middle[3]),
-                middle[0] * math.sin(middle[3]) + middle[1] * math.cos(middle[3]),
-            ]
-        )
+        u, v, _, psi = (0.5 * (state + self._state)).tolist()
+        self._place[0] += h * (u * math.cos(psi) - v * math.sin(psi))
+        self._place[1] += h * (u * math.sin(psi) + v * math.cos(psi))
         self._time += h
 
 
@@ -191,7 +191,8 @@ def fly_ship(ship: ShipFile, name: str, options: Mapping[str, Any]) -> tuple[Shi
     vehicle = IdentifiedShip(ship, options["step"])
     report, flight = fly_vehicle(vehicle, name, options, vehicle.speed_kn)
     drawn, lost = [], 0
-    for other in draws(ship, DRAWS):
+    count = min(max(MOST_CYCLES // max(len(flight.t), 1), FEWEST_DRAWS), DRAWS)
+    for other in draws(ship, count):
         try:
             flown, _ = fly_vehicle(
                 IdentifiedShip(other, vehicle.step), name, options, vehicle.speed_kn
