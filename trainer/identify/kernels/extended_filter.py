@@ -36,7 +36,9 @@ WEIGHTS: Final = (1.0, 2.0, 2.0, 1.0)
 @lean
 def is_ship(x: Numbers) -> bool:
     """Return whether a state is that of a ship under way."""
-    return x[0] >= SLOWEST and abs(x[0]) <= FASTEST and abs(x[1]) <= FASTEST and abs(x[2]) <= TURNING
+    return (
+        x[0] >= SLOWEST and abs(x[0]) <= FASTEST and abs(x[1]) <= FASTEST and abs(x[2]) <= TURNING
+    )
 
 
 @lean
@@ -100,7 +102,12 @@ def spread(phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers) ->
 
 @lean
 def _rate(
-    ship: Numbers, terms: Terms, values: Numbers, x: Numbers, c: Numbers, work: tuple[Numbers, Numbers]
+    ship: Numbers,
+    terms: Terms,
+    values: Numbers,
+    x: Numbers,
+    c: Numbers,
+    work: tuple[Numbers, Numbers],
 ) -> None:
     """Write the accelerations to the second array of ``work``."""
     count = terms.shape[0]
@@ -116,7 +123,7 @@ def _advance(
     x: Numbers,
     work: tuple[Numbers, Numbers, Numbers],
 ) -> None:
-    """Advance a state from row ``k`` to the next by Runge and Kutta; ``work[2]`` (4, 4) is scratch."""
+    """Advance a state to the next row by Runge and Kutta; ``work[2]`` (4, 4) is scratch."""
     parts = int(record[k, PARTS])
     h = record[k, SECONDS] / parts
     stage, rate, total, c = work[2][0], work[2][1], work[2][2], work[2][3]
@@ -181,9 +188,7 @@ def filter_record(
 
 
 @kernel
-def sail_record(
-    ship: Numbers, terms: Terms, values: Numbers, record: Numbers, out: Numbers
-) -> int:
+def sail_record(ship: Numbers, terms: Terms, values: Numbers, record: Numbers, out: Numbers) -> int:
     """Write the states (n, 4) by inputs alone; return how many rows it is a ship."""
     x = values[terms.shape[0] + NONLINEAR + 7 :].copy()
     flat, plain, scratch = np.empty((ROWS, 1)), np.empty((3, 1)), np.empty((4, 4))

@@ -19,7 +19,6 @@ from trainer.identify.kernels.extended_filter import (
     is_ship,
     set_inputs,
     spread,
-    transition,
 )
 from trainer.identify.kernels.forward_numbers import FIRST, SECOND, second_place
 from trainer.identify.kernels.kernel import kernel, lean
@@ -86,22 +85,21 @@ def _take_slopes(
 
 
 @lean
-def _matrix_slopes(
-    system: System, table: Numbers, rates: Numbers, S: Numbers, work: tuple[Numbers, Numbers]
-) -> None:
-    """Write dA (4, 4, q), of the Jacobian along the state's derivatives; ``work`` is it, (3, 4)."""
-    dA, own = work
+def _matrix_slopes(rates: Numbers, S: Numbers, dA: Numbers) -> None:
+    """Write what the state's derivatives ``S`` do to the Jacobian, dA (4, 4, q)."""
     for e in range(4):
         for i in range(4):
             for j in range(S.shape[1]):
                 dA[e, i, j] = 0.0
-    for e in range(3):
-        for i in range(3):
-            for k in range(3):
-                low, high = min(i, k), max(i, k)
-                bend = rates[e, second_place(low, high)]
+            for k in range(3 if max(e, i) < 3 else 0):
+                bend = rates[e, second_place(min(i, k), max(i, k))]
                 for j in range(S.shape[1]):
                     dA[e, i, j] += bend * S[k, j]
+
+
+@lean
+def _own_slopes(system: System, table: Numbers, rates: Numbers, own: Numbers, dA: Numbers) -> None:
+    """Add what the coefficients themselves do to the Jacobian; ``own`` (3, 4) is scratch."""
     for j in range(system[3].shape[0]):
         coefficient_slopes(table, rates, system[1], system[0][0], system[3][j, 0], own)
         for e in range(3):
@@ -110,32 +108,47 @@ def _matrix_slopes(
 
 
 @lean
-def _transition_slopes(
-    A: Numbers, dA: Numbers, T: float, H: Numbers, dH: Numbers, work: tuple[Numbers, Numbers]
+def _horner(
+    A: Numbers,
+    dA: Numbers,
+    part: float,
+    power: tuple[Numbers, Numbers],
+    work: tuple[Numbers, Numbers],
 ) -> None:
-    """Write the transition and its derivatives, by Horner's scheme; ``work`` is like both."""
+    """Write I + part A H and its derivatives over H and dH, which ``power`` has."""
+    H, dH = power
     half, turned = work
+    half[:] = 0.0
+    turned[:] = 0.0
+    for i in range(4):
+        for k in range(4):
+            for n in range(4):
+                half[i, k] += A[i, n] * H[n, k]
+                for j in range(dH.shape[2]):
+                    turned[i, k, j] += dA[i, n, j] * H[n, k] + A[i, n] * dH[n, k, j]
+    for i in range(4):
+        for k in range(4):
+            H[i, k] = part * half[i, k] + (1.0 if i == k else 0.0)
+            for j in range(dH.shape[2]):
+                dH[i, k, j] = part * turned[i, k, j]
+
+
+@lean
+def _transition_slopes(
+    A: Numbers,
+    dA: Numbers,
+    T: float,
+    power: tuple[Numbers, Numbers],
+    work: tuple[Numbers, Numbers],
+) -> None:
+    """Write the transition and its derivatives to ``power``; ``work`` is like both."""
+    H, dH = power
+    dH[:] = 0.0
     for i in range(4):
         for k in range(4):
             H[i, k] = 1.0 if i == k else 0.0
-            for j in range(dH.shape[2]):
-                dH[i, k, j] = 0.0
     for order in range(4, 0, -1):
-        part = T / order
-        for i in range(4):
-            for k in range(4):
-                half[i, k] = 0.0
-                for j in range(dH.shape[2]):
-                    turned[i, k, j] = 0.0
-                for n in range(4):
-                    half[i, k] += A[i, n] * H[n, k]
-                    for j in range(dH.shape[2]):
-                        turned[i, k, j] += dA[i, n, j] * H[n, k] + A[i, n] * dH[n, k, j]
-        for i in range(4):
-            for k in range(4):
-                H[i, k] = part * half[i, k] + (1.0 if i == k else 0.0)
-                for j in range(dH.shape[2]):
-                    dH[i, k, j] = part * turned[i, k, j]
+        _horner(A, dA, T / order, power, work)
 
 
 @lean
@@ -164,9 +177,7 @@ def _spread_slopes(
 
 
 @lean
-def _noise_slopes(
-    phi: Numbers, noise: Numbers, T: float, first: int, dP: Numbers
-) -> None:
+def _noise_slopes(phi: Numbers, noise: Numbers, T: float, first: int, dP: Numbers) -> None:
     """Add what the logarithms of the disturbances do to ``dP``; ``first`` is the place of one."""
     for g in range(3):
         weight = T * noise[g] * noise[g]
@@ -295,8 +306,9 @@ def filter_slopes(
             set_terms(tables[0], ship, x, c, values[terms.shape[0] : first])
             add_terms(tables[0], terms, values, ship[0], rates)
             set_jacobian(rates, A)
-            _matrix_slopes(system, tables[0], rates, S, (dA, own))
-            _transition_slopes(A, dA, T, phi, dphi, (half, turned))
+            _matrix_slopes(rates, S, dA)
+            _own_slopes(system, tables[0], rates, own, dA)
+            _transition_slopes(A, dA, T, (phi, dphi), (half, turned))
             spread(phi, P, noise, T, half)
             _spread_slopes(phi, dphi, half, dP, (turned, dA))
             _noise_slopes(phi, noise, T, free.shape[0], dP)

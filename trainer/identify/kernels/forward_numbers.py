@@ -133,12 +133,12 @@ def run_steps(table: Numbers, steps: Steps) -> None:
     """Write the row of each step (kind, two rows), after those of variables and constants."""
     out = table.shape[0] - steps.shape[0]
     for k in range(steps.shape[0]):
-        kind, a, b = steps[k]
+        kind, a, b = steps[k, 0], steps[k, 1], steps[k, 2]
         if kind == MULTIPLY:
             _multiply(table, a, b, out)
         elif kind == SCALE:
             _add(table, (a, table[b, 0]), (a, 0.0), out)
-        elif kind == ADD or kind == SUBTRACT:  # noqa: PLR1714  numba knows no set of two
+        elif kind < ROOT:
             _add(table, (a, 1.0), (b, 1.0 if kind == ADD else -1.0), out)
         else:
             _compose(table, a, _shape(kind, table[a, 0]), out)

@@ -146,7 +146,9 @@ def _regression(problem: Problem) -> Numbers:
     target = np.vstack([rates for _, rates in smoothed])
     values = {name: float(x) for name, x in zip(NONLINEAR, rudder, strict=True)}
     for axis, letter in enumerate(AXES):
-        values |= _solve_axis(problem, letter, terms, target[:, axis] * (length if axis == 2 else 1))
+        values |= _solve_axis(
+            problem, letter, terms, target[:, axis] * (length if axis == 2 else 1)
+        )
     return np.array([values[name] for name in problem.model.free])
 
 
@@ -254,7 +256,9 @@ def _go_on(problem: Problem, begin: Found, heard: Callable[[int, float], None]) 
             return 1e12, np.zeros_like(z)
         return cost, np.asarray(turn.T @ problem.slopes(a)[1])
 
-    ended = minimize(told, np.zeros(len(begin.a)), jac=True, method="BFGS", options={"maxiter": 200})
+    ended = minimize(
+        told, np.zeros(len(begin.a)), jac=True, method="BFGS", options={"maxiter": 200}
+    )
     end = begin.a + turn @ ended.x
     if problem.cost(end) >= begin.cost:
         return begin

@@ -16,16 +16,13 @@ from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record, sail_record
 from trainer.identify.kernels.extended_slopes import filter_slopes
 from trainer.identify.kernels.ship_forces import Terms
-from trainer.identify.ships.models import NONLINEAR, Model
+from trainer.identify.ships.models import Model
 from trainer.identify.ships.records import Trial
 
 DISTURBANCES: Final = ("sigma_w_u", "sigma_w_v", "sigma_w_r")
 ERRORS: Final = ("sigma_e_u", "sigma_e_v", "sigma_e_r", "sigma_e_psi")
 NOISES: Final = (*DISTURBANCES, *ERRORS)
-STATE: Final = ("u", "v", "r", "psi")
 FINEST: Final = 1e-4  # [-] of a channel's own spread: no error of readings is smaller
-DOUBLE: Final = 2.0  # a disturbance is within this factor of its start, by the prior
-NO_PRIOR: Final = math.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,8 +169,3 @@ def floors_of(trials: tuple[Trial, ...]) -> Numbers:
     seen = np.isfinite(rows).any(axis=0)
     spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1.0 for i in range(4)])
     return np.asarray(FINEST * np.maximum(spread, 1e-12))
-
-
-def whole_names(model: Model) -> tuple[str, ...]:
-    """Return the coefficients of a model that its file holds."""
-    return tuple(name for name in model.names if name not in NONLINEAR or model.name == "mmg")

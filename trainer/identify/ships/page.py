@@ -108,9 +108,7 @@ def _in_words(one: Untold) -> str:
     if len(names) == 1:
         return f"{names[0]} by itself (eigenvalue {one.eigenvalue:.1g})"
     first = one.parts[names[0]]
-    ways = [
-        f"{name} {'rises' if one.parts[name] * first > 0.0 else 'falls'}" for name in names[1:]
-    ]
+    ways = [f"{name} {'rises' if one.parts[name] * first > 0.0 else 'falls'}" for name in names[1:]]
     return (
         f"{names[0]} may rise where {' and '.join(ways)}: the record fits as well "
         f"(eigenvalue {one.eigenvalue:.1g})"

@@ -12,8 +12,7 @@ from trainer.config.files import ConfigError, quote
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.findings import examine, unwrap_heading
-from trainer.identify.kernels.extended_filter import PARTS, SECONDS
-from trainer.identify.measurements import Finding, Record
+from trainer.identify.measurements import Record
 from trainer.identify.ships.ship_file import CHANNELS, ShipFile
 from trainer.identify.sources import UNITS, Column, Sensors, load_record, own_columns, read_by
 
@@ -174,7 +173,7 @@ def _check_sign(record: Record) -> None:
         row = record.row(int(np.argmax(np.abs(rudder))))
         raise ConfigError(
             f"{record.source}: row {row}: {record.name('rudder')}: positive helm turns this ship "
-            f"to starboard (correlation {together:.2f}): say positive_rudder = \"starboard\" in "
+            f'to starboard (correlation {together:.2f}): say positive_rudder = "starboard" in '
             "[records]"
         )
 
@@ -245,12 +244,11 @@ def _averaged(t: Numbers, table: Numbers, every: int) -> tuple[Numbers, Numbers]
 
 
 def _with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
-    """Return the table with the seconds to the next row, and steps of Runge and Kutta in them."""
+    """Return the table with seconds to the next row and steps in them, as the filter has it."""
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
     parts = np.maximum(np.ceil(gaps / (FINE * length / speed) - 1e-9), 1.0)
     found = np.column_stack([table, gaps, parts])
-    assert found.shape[1] == max(SECONDS, PARTS) + 1  # noqa: S101  the kernels' own places
     return np.ascontiguousarray(found)
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from trainer.config.files import ConfigError, nearest
 from trainer.core.kernel import Numbers
 from trainer.identify.residuals import LAGS, correlation, portmanteau, ratio_test
-from trainer.identify.ships.fit import Fit, Found, fit, pose, search, tabulated
-from trainer.identify.ships.likelihood import NOISES, STATE, Problem
+from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, tabulated
+from trainer.identify.ships.likelihood import NOISES, Problem
 from trainer.identify.ships.models import FIXED, NONLINEAR, model_of, prior_of
 from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
 from trainer.identify.ships.ship_file import Result, ShipFile, load_ship
@@ -27,6 +27,7 @@ SUSPECT: Final = 0.01
 OUTPUTS: Final = ("surge", "sway", "yaw rate", "heading")
 UNITS: Final = ("m/s", "m/s", "deg/s", "deg")
 SCALES: Final = (1.0, 1.0, 180.0 / math.pi, 180.0 / math.pi)
+SHARE_SEEN: Final = 0.2  # [-] of residual accelerations, from which a pattern is told
 STRANGERS: Final = 10.0  # F of the residuals together over those apart: two ships
 
 
@@ -203,8 +204,6 @@ def _left_in_yaw(problem: Problem, a: Numbers, trial: Trial) -> float:
 
 def residual_accelerations(problem: Problem, a: Numbers, trial: Trial) -> tuple[Numbers, Numbers]:
     """Return smoothed u, v, r (n, 3), and what the model leaves of their accelerations (n, 3)."""
-    from trainer.identify.ships.fit import smooth  # noqa: PLC0415
-
     states, rates = smooth(trial, problem.constants[0])
     whole = problem.model.whole(problem.coefficients(a))
     terms = problem.model.terms
@@ -305,7 +304,9 @@ def _marginal(H: Numbers, kept: int) -> Numbers:
 
 def _whiteness(fitted: Fit) -> tuple[Whiteness, ...]:
     """Return the tests of the innovations of all records, those of one after another's."""
-    rows = [fitted.problem.innovations(fitted.found.a, i) for i in range(len(fitted.problem.trials))]
+    rows = [
+        fitted.problem.innovations(fitted.found.a, i) for i in range(len(fitted.problem.trials))
+    ]
     gap = np.full((LAGS, 4), math.nan)
     joined = np.vstack([part for each in rows for part in (each, gap)])
     found = []
@@ -348,9 +349,6 @@ def _patterns(fitted: Fit) -> tuple[str, ...]:
     return tuple(texts)
 
 
-SHARE_SEEN: Final = 0.2
-
-
 def _explained_by(cause: Numbers, values: Numbers) -> float:
     """Return the share of the variance of values that a cubic of their cause explains [-]."""
     unit = cause / max(float(np.max(np.abs(cause))), 1e-300)
@@ -370,7 +368,9 @@ def _test_without(fitted: Fit, names: tuple[str, ...]) -> OrderTest:
                 f"there are {', '.join(known)}"
             )
         if name in FIXED and FIXED[name] != 0.0:
-            raise ConfigError(f"--without {name}: it cannot be nothing; it is {FIXED[name]:g} in books")
+            raise ConfigError(
+                f"--without {name}: it cannot be nothing; it is {FIXED[name]:g} in books"
+            )
     small = problem.fixing(names)
     kept = [name not in names for name in problem.names] + [True] * 4 * len(problem.trials)
     end = search(small, fitted.found.a[kept], lambda *_: None)
@@ -423,7 +423,9 @@ def _result(ship: ShipFile, fitted: Fit, report: Report) -> ShipFile:
     """Return the ship's file with the result, which sails."""
     problem = fitted.problem
     names = problem.model.names
-    whole = dict(zip(names, map(float, problem.model.whole(problem.coefficients(fitted.a))), strict=True))
+    whole = dict(
+        zip(names, map(float, problem.model.whole(problem.coefficients(fitted.a))), strict=True)
+    )
     rows = np.vstack([trial.table for trial in problem.trials])
     p = len(problem.model.free)
     result = Result(
@@ -440,6 +442,3 @@ def _result(ship: ShipFile, fitted: Fit, report: Report) -> ShipFile:
         uncertain=problem.model.free,
         ranges=report.ranges,
     )
-
-
-__all__ = ["STATE", "Identified", "Report", "carry_out"]

@@ -17,7 +17,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import sail_record
 from trainer.identify.kernels.ship_forces import ROWS, add_terms, set_terms
 from trainer.identify.ships.models import NONLINEAR, model_of
-from trainer.identify.ships.ship_file import Result, ShipFile
+from trainer.identify.ships.ship_file import ShipFile
 from trainer.units import KNOT
 
 COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")
@@ -101,7 +101,10 @@ class IdentifiedShip:
                 break
             aside = 1e-6 * scale
             J = np.column_stack(
-                [unit * (rates(found + e) - rates(found - e)) / (2.0 * e.sum()) for e in np.diag(aside)]
+                [
+                    unit * (rates(found + e) - rates(found - e)) / (2.0 * e.sum())
+                    for e in np.diag(aside)
+                ]
             )
             try:
                 move = np.linalg.solve(J, left)
@@ -111,7 +114,7 @@ class IdentifiedShip:
         good = np.max(np.abs(unit * rates(found))) < 1e3 * CLOSE and abs(found[1]) < self._limit
         if not good or not np.isfinite(found).all():
             raise ConfigError(
-                f"{self.name}: no rudder and revolutions hold it straight at {speed / KNOT:.4g} kn; "
+                f"{self.name}: nothing holds it straight at {speed / KNOT:.4g} kn; "
                 f"it was identified at {self.result.speed_kn:.4g} kn"
             )
         return float(found[0]), float(found[1]), float(found[2])
@@ -256,6 +259,3 @@ def render(report: ShipReport) -> str:
     lost = f", {report.draws_lost} of them lost" if report.draws_lost else ""
     lines = wrap(f"Where 95 % of {report.draws} ships lie, drawn from the covariance{lost}:")
     return "\n".join([text, "", *lines, *table(("measure", "from", "to", "unit"), rows)])
-
-
-__all__ = ["IdentifiedShip", "Result", "draws", "fly_ship", "render"]
