@@ -1,7 +1,7 @@
 """What a fit of a ship tells: coefficients, what no record tells, predictions, innovations."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -28,7 +28,8 @@ OUTPUTS: Final = ("surge", "sway", "yaw rate", "heading")
 UNITS: Final = ("m/s", "m/s", "deg/s", "deg")
 SCALES: Final = (1.0, 1.0, 180.0 / math.pi, 180.0 / math.pi)
 SHARE_SEEN: Final = 0.2  # [-] of residual accelerations, from which a pattern is told
-STRANGERS: Final = 10.0  # F of the residuals together over those apart: two ships
+DOUBTED: Final = 1.3  # [-] residual accelerations together over those apart: told, and ...
+STRANGERS: Final = 3.0  # ... refused: two ships
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ def carry_out(
     prior, source = prior_of(model, ship)
     strength = float(options["prior_strength"])
     problem, begin = pose(model, ship.constants, trials, prior, strength)
-    _check_one_ship(problem, begin)
+    doubts = tuple(_strangers(problem, begin))
     fitted = fit(problem, begin, heard)
     if not math.isfinite(fitted.found.cost):
         raise ConfigError(
@@ -151,6 +152,7 @@ def carry_out(
         )
     told = source if strength > 0.0 else "none"
     report = _report(ship, fitted, (told, strength), held)
+    report = replace(report, findings=(*report.findings, *doubts))
     if options["without"]:
         report = replace(report, tests=(_test_without(fitted, tuple(options["without"])),))
     return Identified(_result(ship, fitted, report), fitted, report, held)
@@ -172,29 +174,26 @@ def _between(trial: Trial, begin: float | None, end: float | None) -> Trial:
     return replace(trial, t=trial.t[inside], table=table)
 
 
-def _check_one_ship(problem: Problem, begin: Numbers) -> None:
-    """Check that records are of one ship; ConfigError naming the one that is not.
+def _strangers(problem: Problem, begin: Numbers) -> Iterator[str]:
+    """Yield which record may not be of one ship with the others; ConfigError if it cannot be.
 
-    Yaw accelerations that the regression leaves, of all records together, are compared with those
+    Yaw accelerations that the regression leaves of all records together are compared with those
     that are left when each record has its own coefficients.
     """
     if len(problem.trials) < 2:
         return
-    together = [_left_in_yaw(problem, begin, trial) for trial in problem.trials]
-    apart = []
     for trial in problem.trials:
-        alone = replace(problem, trials=(trial,))
         own, start = pose(problem.model, problem.constants, [trial], {}, 0.0)
-        apart.append(_left_in_yaw(own, start, alone.trials[0]))
-    ratios = [a / max(b, 1e-300) for a, b in zip(together, apart, strict=True)]
-    worst = int(np.argmax(ratios))
-    if ratios[worst] > STRANGERS:
-        others = ", ".join(t.source for i, t in enumerate(problem.trials) if i != worst)
-        raise ConfigError(
-            f"{problem.trials[worst].source}: row 1 on: not of one ship with {others}: together "
-            f"they leave {ratios[worst]:.0f} times the yaw acceleration that it leaves by itself: "
-            "fit ships one by one, each with its own file"
-        )
+        ratio = _left_in_yaw(problem, begin, trial) / max(_left_in_yaw(own, start, trial), 1e-300)
+        if ratio > DOUBTED:
+            told = (
+                f"{trial.source}: row 1 on: with the other records it leaves {ratio:.1f} times the "
+                "yaw acceleration that it leaves by itself: is it of another ship, another "
+                "loading, another sign or unit? Fit ships one by one, each with its own file"
+            )
+            if ratio > STRANGERS:
+                raise ConfigError(told)
+            yield told
 
 
 def _left_in_yaw(problem: Problem, a: Numbers, trial: Trial) -> float:
