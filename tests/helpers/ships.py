@@ -72,7 +72,7 @@ def made_record(
     model = Model(name, model.names, free)
     p = len(model.free)
     nothing = np.zeros(p + 7), np.full(p + 7, math.inf)
-    trial = Trial("made", 2.0 * np.arange(SAMPLES), _inputs(), (), windy=True)
+    trial = Trial("made", np.arange(0.0, 2.0 * SAMPLES, 2.0), _inputs(), (), windy=True)
     problem = Problem(model, CONSTANTS, (trial,), *nothing, np.zeros(4))
     begin = np.array([8.0, 0.0, 0.0, 0.0])
     a = np.concatenate([[values[each] for each in model.free], np.log(NOISE), begin])
@@ -123,7 +123,7 @@ def sailed_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, N
     table = np.array(rows)
     first = table[0, :4].copy()
     table[:, :4] += NOISE[3:] * stream.standard_normal((samples, 4))
-    return Trial(f"zigzag {angle:g}", T * np.arange(samples), table, (), windy=False), first
+    return Trial(f"zigzag {angle:g}", np.arange(0.0, T * samples, T), table, (), windy=False), first
 
 
 def _sailed(whole: Numbers, model: Model, state: Numbers, helm: tuple[float, float]) -> Numbers:

@@ -16,6 +16,8 @@ from trainer.cli.types import File, Word
 from trainer.config.method import EQUATIONS
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from trainer.analysis.manoeuvres.flight import Flight
     from trainer.analysis.manoeuvres.page import Report
 
@@ -175,11 +177,19 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     report, flight = fly(vessel, name, options)
     if options["csv"]:
         page.write_csv(flight, options["csv"])
-    render = page.render
-    if hasattr(report, "intervals"):
-        from trainer.identify.ships.vehicle import render  # noqa: PLC0415
-    show(report, render, lambda: page.panels(find_manoeuvre(name), flight), options)
+    show(report, _page_of(report), lambda: page.panels(find_manoeuvre(name), flight), options)
     sys.exit(1 if report.lost else 0)
+
+
+def _page_of(report: "Report") -> "Callable[[Any], str]":
+    """Return what renders a report, with its intervals where it has any."""
+    from trainer.analysis.manoeuvres.page import render  # noqa: PLC0415
+
+    if not hasattr(report, "intervals"):
+        return render
+    from trainer.identify.ships import vehicle  # noqa: PLC0415
+
+    return vehicle.render
 
 
 def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Flight]":

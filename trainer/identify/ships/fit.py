@@ -94,7 +94,7 @@ def pose(
 def _first_noise(trials: tuple[Trial, ...]) -> Numbers:
     """Return the logarithms of disturbances and errors that a search begins with (7,)."""
     rows = np.vstack([trial.readings for trial in trials])
-    seen = np.isfinite(rows).any(axis=0)
+    seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
     spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1e-2 for i in range(4)])
     spread = np.maximum(spread, 1e-9)
     step = float(np.median(np.concatenate([np.diff(trial.t) for trial in trials])))
@@ -112,9 +112,8 @@ def smooth(trial: Trial, length: float) -> tuple[Numbers, Numbers]:
     step = float(np.median(np.diff(trial.t)))
     wanted = WINDOW * length / float(np.mean(rows[:, 0])) / step
     window = min(max(2 * int(wanted / 2.0) + 1, CUBIC + 2), (len(rows) - 1) // 2 * 2 + 1)
-    return tuple(  # type: ignore[return-value]
-        savgol_filter(rows, window, CUBIC, deriv=order, delta=step, axis=0) for order in (0, 1)
-    )
+    smoothed = savgol_filter(rows, window, CUBIC, axis=0)
+    return smoothed, savgol_filter(rows, window, CUBIC, deriv=1, delta=step, axis=0)
 
 
 def _filled(t: Numbers, values: Numbers) -> Numbers:

@@ -166,6 +166,6 @@ def first_state(trial: Trial) -> Numbers:
 def floors_of(trials: tuple[Trial, ...]) -> Numbers:
     """Return the smallest errors of readings (4,) that are believed: a share of their spread."""
     rows = np.vstack([trial.readings for trial in trials])
-    seen = np.isfinite(rows).any(axis=0)
+    seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
     spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1.0 for i in range(4)])
     return np.asarray(FINEST * np.maximum(spread, 1e-12))

@@ -28,8 +28,8 @@ OUTPUTS: Final = ("surge", "sway", "yaw rate", "heading")
 UNITS: Final = ("m/s", "m/s", "deg/s", "deg")
 SCALES: Final = (1.0, 1.0, 180.0 / math.pi, 180.0 / math.pi)
 SHARE_SEEN: Final = 0.2  # [-] of residual accelerations, from which a pattern is told
-DOUBTED: Final = 1.3  # [-] residual accelerations together over those apart: told, and ...
-STRANGERS: Final = 3.0  # ... refused: two ships
+DOUBTED: Final = 0.05  # [-] of a record's yaw acceleration that common coefficients leave: told,
+STRANGERS: Final = 0.3  # ... or refused: two ships. Other mirrors of one ship leave 0.015
 
 
 @dataclass(frozen=True)
@@ -184,14 +184,16 @@ def _strangers(problem: Problem, begin: Numbers) -> Iterator[str]:
         return
     for trial in problem.trials:
         own, start = pose(problem.model, problem.constants, [trial], {}, 0.0)
-        ratio = _left_in_yaw(problem, begin, trial) / max(_left_in_yaw(own, start, trial), 1e-300)
-        if ratio > DOUBTED:
+        _, rates = smooth(trial, problem.constants[0])
+        more = _left_in_yaw(problem, begin, trial) - _left_in_yaw(own, start, trial)
+        share = more / max(float(np.var(rates[:, 2])), 1e-300)
+        if share > DOUBTED:
             told = (
-                f"{trial.source}: row 1 on: with the other records it leaves {ratio:.1f} times the "
-                "yaw acceleration that it leaves by itself: is it of another ship, another "
-                "loading, another sign or unit? Fit ships one by one, each with its own file"
+                f"{trial.source}: row 1 on: coefficients in common with the other records leave "
+                f"{share:.0%} more of its yaw acceleration than its own: is it of another ship, "
+                "loading, sign or unit? Fit ships one by one, each with its own file"
             )
-            if ratio > STRANGERS:
+            if share > STRANGERS:
                 raise ConfigError(told)
             yield told
 
