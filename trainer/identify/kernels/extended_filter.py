@@ -189,7 +189,7 @@ def filter_record(
 
 @kernel
 def sail_record(ship: Numbers, terms: Terms, values: Numbers, record: Numbers, out: Numbers) -> int:
-    """Write the states (n, 4) by inputs alone; return how many rows it is a ship."""
+    """Write the states (n, 4) by inputs alone; return for how many rows."""
     x = values[terms.shape[0] + NONLINEAR + 7 :].copy()
     flat, plain, scratch = np.empty((ROWS, 1)), np.empty((3, 1)), np.empty((4, 4))
     for k in range(record.shape[0]):

@@ -1,4 +1,4 @@
-"""Forward numbers of second order: a value with its derivatives, one in each row of a table.
+"""Forward numbers of second order: each row is a value with derivatives.
 
 A row holds the value, eight first derivatives, and the second ones of the first three directions
 with all eight. A table of fewer columns carries fewer of them, and the same steps then do less
@@ -147,5 +147,5 @@ def run_steps(table: Numbers, steps: Steps) -> None:
 
 @lean
 def second_place(i: int, j: int) -> int:
-    """Return the column of the second derivative by directions ``i`` < 3 and ``j`` >= ``i``."""
+    """Return the column of the second derivative by ``i`` < 3 and ``j`` >= ``i``."""
     return FIRST + i * DIRECTIONS - i * (i - 1) // 2 + j - i

@@ -169,7 +169,7 @@ def _solve_axis(problem: Problem, letter: str, terms: Numbers, target: Numbers) 
 def fit(
     problem: Problem, begin: Numbers, heard: Callable[[int, float], None], seed: int = 1
 ) -> Fit:
-    """Return the best of a search from the regression and two from draws of the prior."""
+    """Return the best of searches from the regression and from draws of the prior."""
     stream = np.random.default_rng(seed)
     starts = [begin, *(_draw(problem, begin, stream) for _ in range(OTHERS))]
     ends = [search(problem, start, heard) for start in starts if math.isfinite(problem.cost(start))]

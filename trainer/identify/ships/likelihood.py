@@ -27,7 +27,7 @@ FINEST: Final = 1e-4  # [-] of a channel's own spread: no error of readings is s
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Records, a model, and what is known before; the prior's width is infinite where none is."""
+    """Records, a model and the prior, whose width is infinite where none is."""
 
     model: Model
     constants: Numbers  # of the ship, as the kernels take them
@@ -128,7 +128,7 @@ class Problem:
         return np.asarray(errors[:, :, 0] / np.sqrt(errors[:, :, 1]))
 
     def sail(self, a: Numbers, trial: Trial) -> Numbers:
-        """Return u, v, r and heading (n, 4) by inputs alone, NaN from where it is no ship."""
+        """Return the states (n, 4) by inputs alone, NaN from where it is no ship."""
         values = np.concatenate([self.values(a, 0)[:-4], first_state(trial)])
         out = np.full((len(trial.table), 4), math.nan)
         last = sail_record(self.constants, self._terms, values, trial.table, out)

@@ -1,4 +1,4 @@
-"""The four models of ships that are not linear: their coefficients, and what books say of them.
+"""Four models of ships that are not linear: coefficients, and what books say.
 
 A coefficient is named by its equation and its term: ``N_vvr`` is the factor of v'^2 r' in the yaw
 equation, an acceleration in prime units (over U^2/L, in yaw over U^2/L^2). ``mmg`` has the rudder

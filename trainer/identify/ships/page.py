@@ -1,4 +1,4 @@
-"""A fitted ship as a page for a terminal, as a plot, and as a table of coefficients."""
+"""A fitted ship as a page, as a plot, and as a table of coefficients."""
 
 import math
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What a fit of a ship tells: coefficients, what no record tells, predictions, innovations."""
+"""The report of a fitted ship: coefficients, untold combinations, predictions, innovations."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -34,7 +34,7 @@ STRANGERS: Final = 0.3  # ... or refused: two ships. Other mirrors of one ship l
 
 @dataclass(frozen=True)
 class Coefficient:
-    """One coefficient or noise, its interval, and the prior's share of what is known of it."""
+    """One coefficient or noise, its interval, and the prior's share of its precision."""
 
     name: str
     value: float
@@ -46,7 +46,7 @@ class Coefficient:
 
 @dataclass(frozen=True)
 class Untold:
-    """A combination that the records do not tell; parts of a unit vector in scaled parameters."""
+    """A combination that records do not tell: parts of a scaled unit vector."""
 
     eigenvalue: float
     parts: dict[str, float]
@@ -204,7 +204,7 @@ def _left_in_yaw(problem: Problem, a: Numbers, trial: Trial) -> float:
 
 
 def residual_accelerations(problem: Problem, a: Numbers, trial: Trial) -> tuple[Numbers, Numbers]:
-    """Return smoothed u, v, r (n, 3), and what the model leaves of their accelerations (n, 3)."""
+    """Return smoothed u, v, r (n, 3), and accelerations (n, 3) that the model leaves."""
     states, rates = smooth(trial, problem.constants[0])
     whole = problem.model.whole(problem.coefficients(a))
     terms = problem.model.terms

@@ -1,4 +1,4 @@
-"""The file of a ship: its dimensions, the columns of its records, and the result of a fit.
+"""The file of a ship: dimensions, columns of records, and a fit's result.
 
 One form serves both ways: what is written before a fit, and what a fit writes, which sails.
 """

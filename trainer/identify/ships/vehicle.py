@@ -1,4 +1,4 @@
-"""An identified ship under the orders of a manoeuvre, and what its uncertainty makes of it."""
+"""An identified ship under the orders of a manoeuvre, with its uncertainty."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -137,7 +137,7 @@ class IdentifiedShip:
         return (self._time, u, v, r, x, y, psi, -self._rudder, self._turns)
 
     def advance(self) -> None:
-        """Advance by one step of Runge and Kutta, the rudder moving; LostError if it is lost."""
+        """Advance by one step of Runge and Kutta; LostError if it is lost."""
         h = self.step
         most = math.radians(self.file.dimensions.rudder_rate_deg_s) * h
         before, state = self._rudder, self._state
@@ -172,7 +172,7 @@ def draws(ship: ShipFile, count: int, seed: int = 1) -> Iterator[ShipFile]:
 
 @dataclass(frozen=True)
 class Interval:
-    """The range that holds a measure for 95 % of the ships drawn, SI and radians."""
+    """The range of a measure for 95 % of the ships drawn, SI."""
 
     name: str
     unit: str
