@@ -298,6 +298,18 @@ def test_a_ship_of_sway_alone_is_found_from_its_own_start_with_intervals(tmp_pat
         assert abs(one["value"] - value) < 4.0 * one["deviation"], name
 
 
+def test_fewer_than_five_samples_a_coefficient_are_refused_with_the_counts(
+    tmp_path: Path,
+) -> None:
+    path = trial(tmp_path)
+    with pytest.raises(
+        ConfigError, match=r"trial\.csv: 39 samples for 8 coefficients: needs 5 to each, 40: record"
+    ):
+        run(identify, path, "--to", 190)
+    with pytest.raises(ConfigError, match="39 samples for 20 coefficients: needs 5 to each, 100"):
+        run(identify, path, "--to", 190, "--armax", "--most", "5")
+
+
 def test_a_fixed_parameter_stays_and_an_unknown_one_is_refused(tmp_path: Path) -> None:
     path = trial(tmp_path)
     path.write_text(STUDY + '\n[[parameters]]\nname = "T"\nstart = 25\nfree = "no"\n')

@@ -11,7 +11,7 @@ import click
 from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, outputs, show
 from trainer.cli.shared_options import CSV, FILE, HTML, SEA, TOML, VESSEL, VESSEL_HELP, together
-from trainer.cli.types import File
+from trainer.cli.types import Deeper, File
 
 if TYPE_CHECKING:
     from trainer.identify.pages.results import Identified
@@ -199,7 +199,7 @@ of_ships = together(
 )
 
 
-@click.command()
+@click.command(cls=Deeper)
 @click.argument("files", type=RECORD, nargs=-1)
 @model_options
 @of_ships
@@ -213,16 +213,31 @@ of_ships = together(
 @click.option("--write-nomoto", type=TOML, default=None, help="Write the ship in few numbers.")
 @click.option("--write-vessel", type=TOML, default=None, help="Write the vessel file changed.")
 @click.option("--html", type=HTML, default=None, metavar="FILE", help="Write one HTML page.")
+@click.option(
+    "--example",
+    is_flag=False,
+    flag_value="",
+    default=None,
+    metavar="[FOLDER]",
+    help="Fit the record shipped as an example; with FOLDER, a copy of it there.",
+)
 @click.option("--selftest", is_flag=True, help="Run the acceptance tests of identification.")
 @outputs
-def identify(files: tuple[Path, ...], selftest: bool, **options: Any) -> None:  # noqa: FBT001
+def identify(
+    files: tuple[Path, ...],
+    selftest: bool,  # noqa: FBT001
+    example: str | None,
+    **options: Any,
+) -> None:
     """Identify a ship from a record of helm and motion (LISPID).
 
-    FILES is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it. Models
-    linear, mavmm, abkowitz and mmg take CSV files of one ship, as many as there are.
+    FILES is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it.
+    `trainer identify new RECORD` writes a study of any CSV file. Models linear, mavmm, abkowitz
+    and mmg take CSV files of one ship, as many as there are.
 
     \b
-    Example:  trainer identify study.toml --plot fit.png
+    Example:  trainer identify --example
+              trainer identify study.toml --plot fit.png
               trainer identify trial.trainer --model 1 --vessel bb2 --write-vessel bb2-found.toml
               trainer identify trial.csv --armax --most 5
               trainer identify zz20.csv --model mmg --ship ship.toml --predict zz10.csv
@@ -236,6 +251,8 @@ def identify(files: tuple[Path, ...], selftest: bool, **options: Any) -> None:  
         from trainer.verify.cases.selftest import run_selftest  # noqa: PLC0415
 
         sys.exit(0 if run_selftest(click.echo) else 1)
+    if example is not None:
+        files = (_example(files, example),)
     if not files:
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
     if options["model"] in ships.MODELS:
@@ -248,6 +265,53 @@ def identify(files: tuple[Path, ...], selftest: bool, **options: Any) -> None:  
     if options["armax"]:
         sys.exit(_armax(study, options))
     sys.exit(_model(study, options))
+
+
+@identify.below
+@click.command()
+@click.argument("record", type=File(".csv", ".trainer"))
+@click.option("-o", "--output", type=TOML, default=None, metavar="FILE", help="[default: beside]")
+@click.option("--length", type=POSITIVE, default=None, help="Of the ship, metres.")
+@click.option("--at", "knots", type=AHEAD, default=None, help="Speed, knots.")
+def new(record: Path, output: Path | None, length: float | None, knots: float | None) -> None:
+    """Write a study of a record with comments, to be corrected; never over another file.
+
+    Columns are told by their names and units, the sign of the rudder by how the ship turns.
+
+    \b
+    Example:  trainer identify new trial.csv --length 70.2 --at 10
+              trainer identify new trial.csv -o study.toml
+    """
+    from trainer.identify.proposal import write_proposal  # noqa: PLC0415
+
+    path = output or record.with_suffix(".toml")
+    found = write_proposal(record, path, length, knots)
+    columns = ", ".join(f"{key} in {one.name}" for key, one in found.columns.items())
+    click.echo(f"{path}: {found.rows} rows every {found.interval:.6g} s: {columns}")
+    for remark in found.remarks:
+        click.echo(f"  {remark}")
+    lacking = "" if length else "fill in the length of [ship]; "
+    click.echo(f"{lacking}fit it by: trainer identify {path}")
+
+
+def _example(files: tuple[Path, ...], folder: str) -> Path:
+    """Return the study shipped as an example, copied to a folder if one is given."""
+    from trainer.config.files import ConfigError, read_text, shipped, write_once  # noqa: PLC0415
+
+    if files:
+        raise click.UsageError("--example has a record of its own: give no FILE")
+    study = shipped("records", "example")
+    if not folder:
+        return study
+    place = Path(folder)
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"--example {folder}: cannot be made: {error.strerror}") from error
+    for path in (study, study.with_suffix(".csv")):
+        write_once(place / path.name, read_text(path))
+        click.echo(f"{place / path.name} written", err=True)
+    return place / study.name
 
 
 @contextlib.contextmanager

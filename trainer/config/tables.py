@@ -38,7 +38,7 @@ TELLING: Final = ("s", "ms", "min", "h", "rad", "deg", "rad/s", "deg/s", "deg/mi
 
 
 def spelt(unit: str) -> str:
-    """Return a unit as this project writes it: deg for ° and degrees, kn for kts."""
+    """Return a unit as it is written here: deg for °, kn for kts."""
     found = unit.strip().strip("[]()").casefold()
     for wrong, right in SPELLINGS:
         found = wrong.sub(right, found)
@@ -88,6 +88,13 @@ class Table:
         """Return a column, NaN where it is empty. ConfigError naming the row of what is none."""
         texts = self.texts(place)
         return np.array([self.number(row, place, text) for row, text in enumerate(texts)], float)
+
+    def known(self, place: int) -> Numbers:
+        """Return a column whose cells are all numbers; ConfigError naming the row of one not."""
+        numbers = self.numbers(place)
+        if (missing := np.isnan(numbers)).any():
+            raise self.wrong(int(np.argmax(missing)), place, "must be a number")
+        return numbers
 
     def number(self, row: int, place: int, text: str) -> float:
         """Return what one cell says, NaN if it is empty. ConfigError if it is no number."""

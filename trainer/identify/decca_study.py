@@ -183,27 +183,18 @@ class Readings:
 def load_readings(file: DeccaFile) -> Readings:
     """Return the readings of a study; ConfigError naming row and column of what is wrong."""
     table, columns = read_table(file.path.parent / file.heading.data), file.columns
-    t = _known(table, columns.t_s or "t")
-    heading = _known(table, columns.heading_deg or "heading")
+    t = table.known(table.place(columns.t_s or "t"))
+    heading = table.known(table.place(columns.heading_deg or "heading"))
     lanes = {colour: _lanes(table, colour, columns) for colour in file.chain}
     rate, rudder = columns.yaw_rate_deg_s, columns.rudder_deg
     sign = -1.0 if file.heading.positive_rudder == "starboard" else 1.0
     return Readings(
         t=t,
         heading=np.radians(heading),
-        yaw_rate=np.radians(_known(table, rate)) if rate else None,
-        rudder=sign * np.radians(_known(table, rudder)) if rudder else None,
+        yaw_rate=np.radians(table.known(table.place(rate))) if rate else None,
+        rudder=sign * np.radians(table.known(table.place(rudder))) if rudder else None,
         lanes=[dict(zip(lanes, row, strict=True)) for row in zip(*lanes.values(), strict=True)],
     )
-
-
-def _known(table: Table, name: str) -> Numbers:
-    """Return a column of which each cell must be a number; ConfigError naming the row."""
-    place = table.place(name)
-    numbers = table.numbers(place)
-    if (missing := np.isnan(numbers)).any():
-        raise table.wrong(int(np.argmax(missing)), place, "must be a number")
-    return numbers
 
 
 def _lanes(table: Table, colour: str, columns: ColumnNames) -> list[float]:

@@ -15,7 +15,7 @@ from trainer.identify.derived import quantities, quantity_names
 from trainer.identify.estimate import Starts, estimate, keep, resume
 from trainer.identify.innovations import REASONS, chi_square_limits, run_filter
 from trainer.identify.likelihood import Likelihood
-from trainer.identify.measurements import Record, samples_of
+from trainer.identify.measurements import Record, check_count, samples_of
 from trainer.identify.minimise import Cost, Found, Search
 from trainer.identify.models import MODELS, Plant, Ship
 from trainer.identify.prediction_error import Innovations, MultiStep, no_gain, settled_gain
@@ -102,6 +102,7 @@ def pose_problem(study: Study, record: Record) -> tuple[Problem, Steering | None
     sampling = table.measurement or "instantaneous"
     samples = samples_of(record, table.outputs)
     problem = problem_of(plant, samples, values, free)
+    check_count(record, samples.counted, len(free))
     scale = [_scale(study, plant, place) for place in problem.free]
     problem = Problem(plant, samples, values, problem.free, np.array(scale), sampling)
     groups = inseparable(problem) if not dropped else ()

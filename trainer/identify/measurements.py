@@ -29,6 +29,7 @@ CHANNELS: Final = {  # what may be recorded beside time, and its unit
     "speed": "m/s",
 }
 PLACES: Final = ("latitude", "longitude")  # that sway is made of
+SAMPLES: Final = 5  # to a coefficient, at least
 OUTPUTS: Final = tuple(name for name in CHANNELS if name != "rudder")
 
 
@@ -128,6 +129,16 @@ class Record:
         held = np.add.reduceat(self.rudder, starts)
         sizes = np.diff([*starts, len(self.t)])
         return replace(thin, rudder=held / sizes)
+
+
+def check_count(record: Record, samples: int, coefficients: int) -> None:
+    """Check that there are enough samples to a coefficient; ConfigError with both counts."""
+    if samples < SAMPLES * coefficients:
+        raise ConfigError(
+            f"{record.source}: {samples} samples for {coefficients} coefficients: needs "
+            f"{SAMPLES} to each, {SAMPLES * coefficients}: record longer, take more of the rows "
+            '(every, from_s, to_s), fit a simpler model, or fix some, free = "no"'
+        )
 
 
 Places = NDArray[np.int64]

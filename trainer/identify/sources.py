@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -41,7 +41,7 @@ SLACK: Final = 0.6  # [-] of what a clock is rounded to, that a time may be off
 
 @dataclass(frozen=True)
 class Column:
-    """The source of a channel: its column, and its unit, None for that which the file says."""
+    """The source of a channel: its column and unit; None: what the file says."""
 
     name: str
     unit: str | None
@@ -96,7 +96,7 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
     """Return the wanted columns of a CSV file, NaN where a cell is empty."""
     table = read_table(path)
     lacking = [(name, one) for name, one in columns.items() if not table.has(one.name)]
-    problems = []
+    problems = list[str]()
     for channel, column in lacking:
         with collecting(problems):
             table.place(column.name, channel)
@@ -191,7 +191,7 @@ def rebuild_times(record: Record) -> Record:
     return record
 
 
-def _same(record: Record, place: int) -> bool:
+def _same(record: Record, place: Any) -> bool:
     """Return whether a row says what the one before it says."""
     columns = (getattr(record, name) for name in (*record.channels, *PLACES))
     return all(one is None or one[place] == one[place - 1] for one in columns)

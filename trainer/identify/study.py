@@ -214,7 +214,7 @@ def observe(study: Study) -> Observed:
     if heading.positive_rudder == "starboard" and record.rudder is not None:
         record = replace(record, rudder=-record.rudder)
     record = with_sway(record, _drift(study.track or Track()))
-    findings = examine(record)
+    findings = examine(record, study.ship)
     record = unwrap_heading(record).every(int(heading.every or 1))
     if study.sensors is not None:
         record = read_by(record, study.sensors)

@@ -76,7 +76,7 @@ class Ship:
 
 @dataclass(frozen=True, kw_only=True)
 class Track:
-    """What lies between a track of latitudes and longitudes and the ship's sway."""
+    """The antenna and the current, between a track of latitudes and longitudes and sway."""
 
     antenna_m: float | None = optional(
         Quantity("m", within(-600, 600), "forward of the centre of mass; else 0")

@@ -75,7 +75,7 @@ def even_interval(t: Numbers, source: str) -> float:
 
 
 class Drift(NamedTuple):
-    """What lies between a track and the ship: current [m/s], and the antenna's lever [m]."""
+    """The current [m/s] and the antenna's lever [m] between a track and the ship."""
 
     east: float
     north: float
@@ -109,10 +109,10 @@ def unwrapped(angle: Numbers) -> Numbers:
 
 
 def with_sway(record: Record, drift: Drift) -> Record:
-    """Return a record with sway, and with a yaw rate if it has none, of its track and heading.
+    """Return a record with the sway of its track, and a yaw rate.
 
-    A record without a track comes back as it is. ConfigError if it has no heading, or its times
-    are uneven, or a sway too.
+    A record without a track comes back as it is, and a yaw rate that was recorded stays.
+    ConfigError if it has no heading, or its times are uneven, or a sway too.
     """
     if record.latitude is None or record.longitude is None:
         return record
