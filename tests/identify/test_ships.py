@@ -279,3 +279,19 @@ def test_the_page_tells_the_keys_of_a_ship_file() -> None:
     page = ROOT / "docs" / "nonlinear-ships.md"
 
     assert key_tables() in page.read_text(encoding="utf-8")
+
+
+def test_an_error_of_readings_stops_at_its_floor_and_the_fit_settles() -> None:
+    trial, _ = sailed_zigzag(20.0, seed=1)
+    exact = replace(trial, table=trial.table.copy())
+    smooth = np.convolve(trial.table[:, 2], np.ones(25) / 25.0, mode="same")
+    exact.table[:, 2] = smooth  # published readings are often smoothed
+    model = model_of("linear", wind=False)
+    problem, begin = pose(model, CONSTANTS, [exact], prior_of(model, SHIP)[0], 0.5)
+
+    end = search(problem, begin, lambda *_: None)
+
+    assert end.settled
+    assert (end.a >= problem.lowest).all()
+    place = problem.names.index("sigma_e_r")
+    assert end.a[place] == problem.lowest[place]

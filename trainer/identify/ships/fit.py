@@ -204,6 +204,15 @@ def promise_of(g: Numbers, H: Numbers) -> float:
     return 0.5 * float(np.sum((vectors.T @ (unit * g)) ** 2 / sizes))
 
 
+def _held_slopes(problem: Problem, a: Numbers) -> tuple[Numbers, Numbers]:
+    """Return gradient and information, without what is held at its lowest."""
+    _, g, H = problem.slopes(a)
+    held = (a <= problem.lowest) & (g > 0.0)
+    g[held], H[held], H[:, held] = 0.0, 0.0, 0.0
+    H[held, held] = 1.0
+    return g, H
+
+
 def _limited(problem: Problem, a: Numbers, step: Numbers) -> Numbers:
     """Return a step cut so that nothing moves too far."""
     p = len(problem.model.free)
@@ -216,7 +225,7 @@ def search(problem: Problem, a: Numbers, heard: Callable[[int, float], None]) ->
     """Return where Levenberg's scoring on the expected information ends."""
     damping, cost, promise = 1e-2, problem.cost(a), math.inf
     for count in range(STEPS):
-        _, g, H = problem.slopes(a)
+        g, H = _held_slopes(problem, a)
         if not (np.isfinite(g).all() and np.isfinite(H).all()):
             return Found(a, cost, math.inf, count)
         promise = promise_of(g, H)
@@ -225,7 +234,7 @@ def search(problem: Problem, a: Numbers, heard: Callable[[int, float], None]) ->
         unit, sizes, vectors = _scaled(H)
         for _ in range(REFUSALS):
             step = -unit * (vectors @ ((vectors.T @ (unit * g)) / (sizes + damping)))
-            step = _limited(problem, a, step)
+            step = np.maximum(_limited(problem, a, step), problem.lowest - a)
             trial = problem.cost(a + step)
             if trial < cost:
                 break
@@ -244,21 +253,21 @@ def _go_on(problem: Problem, begin: Found, heard: Callable[[int, float], None]) 
     """Return where scipy's BFGS gets to, scaled by the information, then scoring again."""
     from scipy.optimize import minimize  # noqa: PLC0415
 
-    _, _, H = problem.slopes(begin.a)
+    _, H = _held_slopes(problem, begin.a)
     unit, sizes, vectors = _scaled(H)
     turn = (unit[:, None] * vectors) / np.sqrt(sizes)
 
     def told(z: Numbers) -> tuple[float, Numbers]:
-        a = begin.a + turn @ z
+        a = np.maximum(begin.a + turn @ z, problem.lowest)
         cost = problem.cost(a)
         if not math.isfinite(cost):
             return 1e12, np.zeros_like(z)
-        return cost, np.asarray(turn.T @ problem.slopes(a)[1])
+        return cost, np.asarray(turn.T @ _held_slopes(problem, a)[0])
 
     ended = minimize(
         told, np.zeros(len(begin.a)), jac=True, method="BFGS", options={"maxiter": 200}
     )
-    end = begin.a + turn @ ended.x
+    end = np.maximum(begin.a + turn @ ended.x, problem.lowest)
     if problem.cost(end) >= begin.cost:
         return begin
     again = search(problem, end, heard)
@@ -281,7 +290,7 @@ def _with_intervals(problem: Problem, found: Found, others: tuple[float, ...]) -
     if not math.isfinite(found.cost):
         empty = np.full((problem.size, problem.size), math.nan)
         return Fit(problem, found, a, empty, empty, others)
-    _, _, H = problem.slopes(a)
+    _, H = _held_slopes(problem, a)
     C, p = _inverse(H), len(problem.model.free)
     share = np.diag(C)[: problem.common] / problem.width**2
     for axis, _ in enumerate(DISTURBANCES):
@@ -292,7 +301,7 @@ def _with_intervals(problem: Problem, found: Found, others: tuple[float, ...]) -
         place = p + axis
         freedom = 0.5 * (1.0 / C[place, place] - 1.0 / problem.width[place] ** 2)
         a[place] += 0.5 * math.log1p(max(taken, 0.0) / max(freedom, 1.0))
-    _, _, wide = problem.slopes(a)
+    _, wide = _held_slopes(problem, a)
     own = wide.copy()
     places = np.arange(problem.common)
     own[places, places] -= problem.width**-2.0

@@ -68,9 +68,7 @@ class Problem:
     def noise(self, a: Numbers) -> Numbers:
         """Return the standard deviations of disturbances and errors (7,)."""
         p = len(self.model.free)
-        sizes = np.exp(a[p : p + 7])
-        sizes[3:] = np.hypot(sizes[3:], self.floors)
-        return np.asarray(sizes)
+        return np.exp(a[p : p + 7])
 
     def values(self, a: Numbers, record: int) -> Numbers:
         """Return what the kernels take for one record."""
@@ -110,15 +108,13 @@ class Problem:
 
     def _record_slopes(self, a: Numbers, record: int) -> tuple[float, Numbers, Numbers]:
         """Return -log L, gradient and information of one record."""
-        count, p = self.common + 4, len(self.model.free)
+        count = self.common + 4
         cost, gradient, known = np.zeros(1), np.zeros(count), np.zeros((count, count))
         values = self.values(a, record)
         system = (self.constants, self._terms, values, self._places)
         filter_slopes(system, self.trials[record].table, cost, gradient, known)
         known = np.tril(known) + np.tril(known, -1).T
-        chain = np.ones(count)
-        chain[p + 3 : p + 7] = np.exp(2.0 * a[p + 3 : p + 7]) / self.noise(a)[3:] ** 2
-        return float(cost[0]), gradient * chain, known * np.outer(chain, chain)
+        return float(cost[0]), gradient, known
 
     def innovations(self, a: Numbers, record: int) -> Numbers:
         """Return the standardised innovations (n, 4) of a record, NaN where none was read."""
@@ -134,6 +130,14 @@ class Problem:
         last = sail_record(self.constants, self._terms, values, trial.table, out)
         out[last:] = math.nan
         return out
+
+    @cached_property
+    def lowest(self) -> Numbers:
+        """Return the lower limits of the parameters, which the errors of readings have alone."""
+        limits = np.full(self.size, -math.inf)
+        with np.errstate(divide="ignore"):
+            limits[self.common - 4 : self.common] = np.log(self.floors)
+        return limits
 
     def fixing(self, names: tuple[str, ...]) -> "Problem":
         """Return the problem with some coefficients fixed, at nothing."""

@@ -85,6 +85,11 @@ def _fit_lines(report: Report) -> list[str]:
     lines = [f"{INDENT}Fit {state}: -log L with the prior {report.cost:.4f}"]
     if not report.settled:
         lines += wrap(f"A further step promises {report.promise:.2g}: intervals do not hold.")
+    if report.at_floor:
+        lines += wrap(
+            f"At their floor, a ten-thousandth of the channel's spread: {', '.join(report.at_floor)}. "
+            "The readings are smoothed, or the model follows them by its disturbances."
+        )
     ends = ", ".join(f"{end:.2f}" for end in report.other_starts)
     return lines + (wrap(f"Other starts ended at {ends}") if ends else [])
 

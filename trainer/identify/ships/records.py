@@ -1,6 +1,7 @@
 """Records of ships that are not linear: read, examined, and averaged to samples."""
 
 import math
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -207,13 +208,15 @@ def _check_inputs(record: Record, further: Mapping[str, Numbers]) -> None:
 
 
 def _read_by(record: Record, sensors: Sensors) -> Record:
-    """Return what instruments would have read; the log reads speed as well as sway."""
+    """Return what instruments would have read, each file anew; the log reads speed too."""
     if record.speed is None:
         return record
-    seed = np.random.SeedSequence((int(sensors.seed or 1), len(CHANNELS)))
+    own = int(sensors.seed or 1), zlib.crc32(Path(record.source).name.encode())
+    seed = np.random.SeedSequence((*own, len(CHANNELS)))
     stream = np.random.Generator(np.random.PCG64(seed))
     error = sensors.error("sway") * stream.standard_normal(len(record.t))
-    return replace(read_by(record, sensors), speed=record.speed + error)
+    others = read_by(record, replace(sensors, seed=float(sum(own))))
+    return replace(others, speed=record.speed + error)
 
 
 def _table(record: Record, further: Mapping[str, Numbers]) -> Numbers:

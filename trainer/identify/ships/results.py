@@ -101,6 +101,7 @@ class Report:
     promise: float
     cost: float  # -log L with the prior
     other_starts: tuple[float, ...]
+    at_floor: tuple[str, ...]  # errors of readings that went to their smallest
     coefficients: tuple[Coefficient, ...]
     noises: tuple[Coefficient, ...]
     from_book: tuple[str, ...]
@@ -404,6 +405,11 @@ def _report(
         promise=fitted.found.promise,
         cost=fitted.found.cost,
         other_starts=fitted.others[1:],
+        at_floor=tuple(
+            name
+            for name, value, low in zip(problem.names, fitted.a, problem.lowest, strict=False)
+            if value <= low
+        ),
         coefficients=told[:p],
         noises=told[p:],
         from_book=tuple(one.name for one in told[:p] if one.prior_share > BOOK),
