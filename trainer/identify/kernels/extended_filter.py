@@ -1,10 +1,11 @@
-"""The likelihood of a ship's record by the extended Kalman filter.
+"""The likelihood of a ship's record by the extended Kalman filter, with its derivatives.
 
 States are u, v [m/s], r [rad/s] and heading [rad], readings the same. A row of the ``record`` has
 the readings, NaN where there is none, then rudder, revolutions and wind, then the seconds to the
 next row and the steps of Runge and Kutta in them. ``values`` are the factors of the terms, the five
 nonlinear coefficients, three disturbances and four errors of readings as standard deviations, and
-the first state, which is known: its covariance is nothing.
+the first state, which is known: its covariance is nothing. Derivatives are as in
+``extended_slopes``; where none are asked for, forward numbers carry only what the filter needs.
 """
 
 import math
@@ -13,11 +14,22 @@ from typing import Final
 import numpy as np
 
 from trainer.core.kernel import Numbers
+from trainer.identify.kernels.extended_slopes import (
+    System,
+    count_reading,
+    matrix_slopes,
+    noise_slopes,
+    own_slopes,
+    rate_slopes,
+    spread_slopes,
+    take_slopes,
+    transition_slopes,
+)
+from trainer.identify.kernels.forward_numbers import FIRST, SECOND
 from trainer.identify.kernels.kernel import kernel, lean
 from trainer.identify.kernels.ship_forces import (
     NONLINEAR,
     ROWS,
-    Terms,
     add_terms,
     set_jacobian,
     set_terms,
@@ -50,37 +62,7 @@ def set_inputs(record: Numbers, k: int, part: float, c: Numbers) -> None:
 
 
 @lean
-def _take(m: int, reading: float, variance: float, x: Numbers, P: Numbers) -> float:
-    """Return the innovation's variance after taking one reading into ``x`` and ``P``."""
-    error, s = reading - x[m], P[m, m] + variance
-    p = (P[0, m], P[1, m], P[2, m], P[3, m])
-    for i in range(4):
-        x[i] += p[i] / s * error
-        for j in range(4):
-            P[i, j] -= p[i] * p[j] / s
-    return s
-
-
-@lean
-def transition(A: Numbers, T: float, out: Numbers, half: Numbers) -> None:
-    """Write I + TA(I + TA/2(I + TA/3(I + TA/4)))."""
-    for i in range(4):
-        for j in range(4):
-            out[i, j] = 1.0 if i == j else 0.0
-    for order in range(4, 0, -1):
-        for i in range(4):
-            for j in range(4):
-                total = 0.0
-                for k in range(4):
-                    total += A[i, k] * out[k, j]
-                half[i, j] = total * T / order
-        for i in range(4):
-            for j in range(4):
-                out[i, j] = half[i, j] + (1.0 if i == j else 0.0)
-
-
-@lean
-def spread(phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers) -> None:
+def _spread(phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers) -> None:
     """Advance ``P`` by the transition and the disturbances; ``half`` becomes (P + T/2 R1) phi'."""
     for i in range(4):
         for j in range(4):
@@ -101,102 +83,160 @@ def spread(phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers) ->
 
 
 @lean
-def _rate(
-    ship: Numbers,
-    terms: Terms,
-    values: Numbers,
-    x: Numbers,
-    c: Numbers,
-    work: tuple[Numbers, Numbers],
-) -> None:
-    """Write the accelerations to the second array of ``work``."""
+def _set_rates(system: System, x: Numbers, c: Numbers, table: Numbers, rates: Numbers) -> None:
+    """Write the accelerations (3, columns) at a state and inputs; ``table`` is scratch."""
+    ship, terms, values, _ = system
     count = terms.shape[0]
-    set_terms(work[0], ship, x, c, values[count : count + NONLINEAR])
-    add_terms(work[0], terms, values, ship[0], work[1])
+    set_terms(table, ship, x, c, values[count : count + NONLINEAR])
+    add_terms(table, terms, values, ship[0], rates)
 
 
 @lean
 def _advance(
-    system: tuple[Numbers, Terms, Numbers],
+    system: System,
     record: Numbers,
     k: int,
-    x: Numbers,
-    work: tuple[Numbers, Numbers, Numbers],
+    kept: tuple[Numbers, Numbers],
+    work: tuple[Numbers, Numbers, Numbers, Numbers, Numbers],
 ) -> None:
-    """Advance a state to the next row by Runge and Kutta; ``work[2]`` (4, 4) is scratch."""
+    """Advance the state and its derivatives from row ``k`` to the next by Runge and Kutta.
+
+    ``work`` is a table, its rates, (5, 4), (3, 4) and (3, 4, q).
+    """
+    x, S = kept
+    table, rates, lines, own, many = work
+    stage, rate, total, c = lines[0], lines[1], lines[2], lines[3]
+    at, turn, sum_ = many[0], many[1], many[2]
     parts = int(record[k, PARTS])
     h = record[k, SECONDS] / parts
-    stage, rate, total, c = work[2][0], work[2][1], work[2][2], work[2][3]
     for part in range(parts):
-        for i in range(4):
-            total[i] = 0.0
-            rate[i] = 0.0
-        for turn in range(4):
+        total[:] = 0.0
+        rate[:] = 0.0
+        sum_[:] = 0.0
+        turn[:] = 0.0
+        for n in range(4):
+            reach = STAGES[n] * h
             for i in range(4):
-                stage[i] = x[i] + STAGES[turn] * h * rate[i]
-            set_inputs(record, k, (part + STAGES[turn]) / parts, c)
-            _rate(system[0], system[1], system[2], stage, c, (work[0], work[1]))
-            for i in range(3):
-                rate[i] = work[1][i, 0]
-            rate[3] = stage[2]
+                stage[i] = x[i] + reach * rate[i]
+                for j in range(S.shape[1]):
+                    at[i, j] = S[i, j] + reach * turn[i, j]
+            set_inputs(record, k, (part + STAGES[n]) / parts, c)
+            _set_rates(system, stage, c, table, rates)
+            rate_slopes(system, table, rates, at, own, turn)
             for i in range(4):
-                total[i] += WEIGHTS[turn] * rate[i]
+                rate[i] = rates[i, 0] if i < 3 else stage[2]
+                total[i] += WEIGHTS[n] * rate[i]
+                for j in range(S.shape[1]):
+                    sum_[i, j] += WEIGHTS[n] * turn[i, j]
         for i in range(4):
             x[i] += h / 6.0 * total[i]
+            for j in range(S.shape[1]):
+                S[i, j] += h / 6.0 * sum_[i, j]
+
+
+@lean
+def _take_row(
+    row: Numbers,
+    noise: Numbers,
+    kept: tuple[Numbers, Numbers],
+    slopes: tuple[Numbers, Numbers],
+    lines: Numbers,
+    sums: tuple[Numbers, Numbers, Numbers],
+) -> float:
+    """Return what a row's readings add to -log L, after taking them.
+
+    ``sums`` has innovations with their variances (4, 2), gradient and information.
+    """
+    cost, first = 0.0, lines.shape[1] - 11
+    for m in range(4):
+        sums[0][m, 0], sums[0][m, 1] = row[m] - kept[0][m], math.nan
+        if not math.isnan(row[m]):
+            variance = noise[3 + m] * noise[3 + m]
+            moments = row[m] - kept[0][m], kept[1][m, m] + variance
+            for j in range(lines.shape[1]):
+                lines[0, j] = -slopes[0][m, j]
+                lines[1, j] = slopes[1][m, m, j]
+            if first >= 0:
+                lines[1, first + 3 + m] += 2.0 * variance
+            square = moments[0] * moments[0] / moments[1]
+            cost += 0.5 * (math.log(2.0 * math.pi * moments[1]) + square)
+            sums[0][m, 1] = moments[1]
+            count_reading(moments, lines[0], lines[1], sums[1], sums[2])
+            take_slopes(m, moments, kept, slopes, lines)
+    return cost
+
+
+@lean
+def _predict(
+    system: System,
+    record: Numbers,
+    k: int,
+    kept: tuple[Numbers, Numbers],
+    slopes: tuple[Numbers, Numbers],
+    work: tuple[tuple[Numbers, ...], tuple[Numbers, ...], tuple[Numbers, ...]],
+) -> None:
+    """Advance the covariance and its derivatives from row ``k`` to the next."""
+    (table, rates), (A, phi, half, short), (dA, dphi, turned) = work
+    terms, values, free = system[1], system[2], system[3]
+    first = terms.shape[0] + NONLINEAR
+    noise, T, c = values[first : first + 7], record[k, SECONDS], short[4]
+    set_inputs(record, k, 0.5, c)
+    _set_rates(system, kept[0], c, table, rates)
+    set_jacobian(rates, A)
+    if slopes[0].shape[1] > 0:
+        matrix_slopes(rates, slopes[0], dA)
+        own_slopes(system, table, rates, short, dA)
+    transition_slopes(A, dA, T, (phi, dphi), (half, turned))
+    _spread(phi, kept[1], noise, T, half)
+    spread_slopes(phi, dphi, half, slopes[1], (turned, dA))
+    if slopes[0].shape[1] > 0:
+        noise_slopes(phi, noise, T, free.shape[0], slopes[1])
 
 
 @kernel
 def filter_record(
-    ship: Numbers, terms: Terms, values: Numbers, record: Numbers, errors: Numbers
+    system: System, record: Numbers, errors: Numbers, gradient: Numbers, information: Numbers
 ) -> float:
-    """Return -log L of a record. Innovations and their variances go to ``errors`` (n, 4, 2).
+    """Return -log L of a record, infinite where the filter loses the ship.
 
-    The result is infinite where the filter loses the ship.
+    Innovations and their variances go to ``errors`` (n, 4, 2). ``gradient`` (q,) and the lower
+    half of ``information`` (q, q) gain theirs; q may be 0.
     """
-    first = terms.shape[0] + NONLINEAR
-    noise, x, P = values[first : first + 7], values[first + 7 :].copy(), np.zeros((4, 4))
-    flat, sloped = np.empty((ROWS, 1)), np.empty((ROWS, 4))
-    plain, rates = np.empty((3, 1)), np.empty((3, 4))
-    A, phi, half, scratch = (
-        np.empty((4, 4)),
-        np.empty((4, 4)),
-        np.empty((4, 4)),
-        np.empty((4, 4)),
-    )
-    c = np.empty(4)
-    cost = 0.0
+    count, first = gradient.size, system[1].shape[0] + NONLINEAR
+    noise, x = system[2][first : first + 7], system[2][first + 7 :].copy()
+    P, S, dP = np.zeros((4, 4)), np.zeros((4, count)), np.zeros((4, 4, count))
+    for i in range(4 if count > 0 else 0):
+        S[i, count - 4 + i] = 1.0
+    wide, narrow = (SECOND, FIRST) if count > 0 else (4, 1)
+    sloped = np.empty((ROWS, wide)), np.empty((3, wide))
+    flat, rates = np.empty((ROWS, narrow)), np.empty((3, narrow))
+    small = np.empty((4, 4)), np.empty((4, 4)), np.empty((4, 4)), np.empty((5, 4))
+    large = np.empty((4, 4, count)), np.empty((4, 4, count)), np.empty((4, 4, count))
+    lines, many, cost = np.empty((6, count)), np.empty((3, 4, count)), 0.0
     for k in range(record.shape[0]):
-        for m in range(4):
-            errors[k, m, 0] = record[k, m] - x[m]
-            errors[k, m, 1] = math.nan
-            if not math.isnan(record[k, m]):
-                s = _take(m, record[k, m], noise[3 + m] * noise[3 + m], x, P)
-                cost += 0.5 * (math.log(2.0 * math.pi * s) + errors[k, m, 0] * errors[k, m, 0] / s)
-                errors[k, m, 1] = s
+        sums = errors[k], gradient, information
+        cost += _take_row(record[k], noise, (x, P), (S, dP), lines, sums)
         if not is_ship(x):
             return math.inf
         if k + 1 < record.shape[0]:
-            set_inputs(record, k, 0.5, c)
-            _rate(ship, terms, values, x, c, (sloped, rates))
-            set_jacobian(rates, A)
-            transition(A, record[k, SECONDS], phi, half)
-            spread(phi, P, noise, record[k, SECONDS], half)
-            _advance((ship, terms, values), record, k, x, (flat, plain, scratch))
+            _predict(system, record, k, (x, P), (S, dP), (sloped, small, large))
+            _advance(system, record, k, (x, S), (flat, rates, small[3], small[0], many))
             if not is_ship(x):
                 return math.inf
     return cost if math.isfinite(cost) else math.inf
 
 
 @kernel
-def sail_record(ship: Numbers, terms: Terms, values: Numbers, record: Numbers, out: Numbers) -> int:
+def sail_record(system: System, record: Numbers, out: Numbers) -> int:
     """Write the states (n, 4) by inputs alone; return for how many rows."""
-    x = values[terms.shape[0] + NONLINEAR + 7 :].copy()
-    flat, plain, scratch = np.empty((ROWS, 1)), np.empty((3, 1)), np.empty((4, 4))
+    x, S = system[2][system[1].shape[0] + NONLINEAR + 7 :].copy(), np.empty((4, 0))
+    many, own = np.empty((3, 4, 0)), np.empty((3, 4))
+    work = np.empty((ROWS, 1)), np.empty((3, 1)), np.empty((5, 4)), own, many
     for k in range(record.shape[0]):
         for i in range(4):
             out[k, i] = x[i]
         if not is_ship(x):
             return k
         if k + 1 < record.shape[0]:
-            _advance((ship, terms, values), record, k, x, (flat, plain, scratch))
+            _advance(system, record, k, (x, S), work)
     return int(record.shape[0])

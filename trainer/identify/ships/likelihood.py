@@ -14,7 +14,7 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record, sail_record
-from trainer.identify.kernels.extended_slopes import filter_slopes
+from trainer.identify.kernels.extended_slopes import System
 from trainer.identify.kernels.ship_forces import Terms
 from trainer.identify.ships.models import Model
 from trainer.identify.ships.records import Trial
@@ -22,6 +22,7 @@ from trainer.identify.ships.records import Trial
 DISTURBANCES: Final = ("sigma_w_u", "sigma_w_v", "sigma_w_r")
 ERRORS: Final = ("sigma_e_u", "sigma_e_v", "sigma_e_r", "sigma_e_psi")
 NOISES: Final = (*DISTURBANCES, *ERRORS)
+NO_SLOPES: Final = np.empty(0), np.empty((0, 0))
 FINEST: Final = 1e-4  # [-] of a channel's own spread: no error of readings is smaller
 
 
@@ -76,6 +77,10 @@ class Problem:
         whole = self.model.whole(self.coefficients(a))
         return np.concatenate([whole, self.noise(a), a[first : first + 4]])
 
+    def _system(self, a: Numbers, record: int) -> System:
+        """Return what the kernels take as a system for one record."""
+        return self.constants, self._terms, self.values(a, record), self._places
+
     def penalty(self, a: Numbers) -> float:
         """Return what the prior adds to -log L."""
         away = (a[: self.common] - self.mean) / self.width
@@ -88,8 +93,7 @@ class Problem:
         total = self.penalty(a)
         for i, trial in enumerate(self.trials):
             errors = np.empty((len(trial.table), 4, 2))
-            values = self.values(a, i)
-            total += filter_record(self.constants, self._terms, values, trial.table, errors)
+            total += filter_record(self._system(a, i), trial.table, errors, *NO_SLOPES)
         return float(total)
 
     def slopes(self, a: Numbers) -> tuple[float, Numbers, Numbers]:
@@ -109,25 +113,25 @@ class Problem:
     def _record_slopes(self, a: Numbers, record: int) -> tuple[float, Numbers, Numbers]:
         """Return -log L, gradient and information of one record."""
         count = self.common + 4
-        cost, gradient, known = np.zeros(1), np.zeros(count), np.zeros((count, count))
-        values = self.values(a, record)
-        system = (self.constants, self._terms, values, self._places)
-        filter_slopes(system, self.trials[record].table, cost, gradient, known)
-        known = np.tril(known) + np.tril(known, -1).T
-        return float(cost[0]), gradient, known
+        gradient, known = np.zeros(count), np.zeros((count, count))
+        table = self.trials[record].table
+        errors = np.empty((len(table), 4, 2))
+        cost = filter_record(self._system(a, record), table, errors, gradient, known)
+        return float(cost), gradient, np.tril(known) + np.tril(known, -1).T
 
     def innovations(self, a: Numbers, record: int) -> Numbers:
         """Return the standardised innovations (n, 4) of a record, NaN where none was read."""
         trial = self.trials[record]
         errors = np.empty((len(trial.table), 4, 2))
-        filter_record(self.constants, self._terms, self.values(a, record), trial.table, errors)
+        filter_record(self._system(a, record), trial.table, errors, *NO_SLOPES)
         return np.asarray(errors[:, :, 0] / np.sqrt(errors[:, :, 1]))
 
     def sail(self, a: Numbers, trial: Trial) -> Numbers:
         """Return the states (n, 4) by inputs alone, NaN from where it is no ship."""
         values = np.concatenate([self.values(a, 0)[:-4], first_state(trial)])
+        system = self.constants, self._terms, values, self._places
         out = np.full((len(trial.table), 4), math.nan)
-        last = sail_record(self.constants, self._terms, values, trial.table, out)
+        last = sail_record(system, trial.table, out)
         out[last:] = math.nan
         return out
 

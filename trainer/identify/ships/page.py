@@ -87,7 +87,7 @@ def _fit_lines(report: Report) -> list[str]:
         lines += wrap(f"A further step promises {report.promise:.2g}: intervals do not hold.")
     if report.at_floor:
         lines += wrap(
-            f"At their floor, a ten-thousandth of the channel's spread: {', '.join(report.at_floor)}. "
+            f"At their floor, a ten-thousandth of the spread: {', '.join(report.at_floor)}. "
             "The readings are smoothed, or the model follows them by its disturbances."
         )
     ends = ", ".join(f"{end:.2f}" for end in report.other_starts)

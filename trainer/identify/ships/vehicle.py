@@ -24,6 +24,7 @@ COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")
 STEP: Final = 0.025  # [L/U] of a cycle
 STEADY_STEPS: Final = 60  # of Newton, to speed held straight
 CLOSE: Final = 1e-10
+NONE_FREE: Final = np.empty((0, 1), np.int64)
 DRAWS: Final = 100
 FEWEST_DRAWS: Final = 20  # of a long manoeuvre,
 MOST_CYCLES: Final = 600_000  # so that all of them together take no more
@@ -147,7 +148,8 @@ class IdentifiedShip:
         record[0, 5] = record[1, 5] = self._turns
         record[0, 8], record[0, 9] = h, 1.0
         values[-4:] = state
-        if sail_record(self._constants, self._terms, values, record, out) < 2:
+        system = self._constants, self._terms, values, NONE_FREE
+        if sail_record(system, record, out) < 2:
             raise LostError(f"{self.name} is no ship under way after {self._time:g} s")
         self._state = out[1].copy()
         u, v, _, psi = (0.5 * (state + self._state)).tolist()
