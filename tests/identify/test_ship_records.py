@@ -170,6 +170,23 @@ def test_a_wrong_key_of_a_ship_file_is_named_with_the_nearest() -> None:
         parse_ship(ship_text(SHIP, "").replace("beam_m", "beem_m"), Path("ship.toml"))
 
 
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ("coefficients = 1", r"ship.toml"),
+        ("[coefficients]\nN_F = 'much'", r"\[coefficients\] N_F"),
+        ("[coefficients]\nN_F = 1\n[covariance]\nN_v = [1.0]", r"N_v is no coefficient"),
+        ("[coefficients]\nN_F = 1\n[covariance]\nN_F = [1.0, 2.0]", r"\[covariance\] N_F"),
+    ],
+)
+def test_a_wrong_result_is_refused_by_name(wrong: str, told: str) -> None:
+    top = "" if wrong.startswith("[") else f"{wrong}\n"
+    whole = ship_text(SHIP, "").replace('schema = "ship/1"\n', f'schema = "ship/1"\n{top}')
+    whole += '[result]\nmodel = "mmg"\nspeed_kn = 15\nrevolutions_per_s = 1\n'
+    with pytest.raises(ConfigError, match=told):
+        parse_ship(whole + ("" if top else wrong), Path("ship.toml"))
+
+
 @pytest.fixture
 def known() -> ShipFile:
     """Return the tanker as a fit would have written it, with an uncertain rudder."""

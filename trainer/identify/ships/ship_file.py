@@ -10,7 +10,15 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
+from trainer.config.files import (
+    ConfigError,
+    Place,
+    as_table,
+    collecting,
+    nearest,
+    parse_toml,
+    read_text,
+)
 from trainer.config.schema import (
     Choice,
     Quantities,
@@ -181,13 +189,17 @@ def _with_feet(problem: str) -> str:
 
 def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
     """Return coefficients, covariance and ranges of a result; ConfigError if one is wrong."""
+    given = {
+        key: as_table(table.get(key, {}), place.inside(key))
+        for key in ("coefficients", "covariance", "ranges")
+    }
     found = {
         name: NUMBER.read(name, value, place.inside("coefficients"))
-        for name, value in dict(table.get("coefficients", {})).items()
+        for name, value in given["coefficients"].items()
     }
     if not found:
         raise ConfigError(place.problem("[result] needs [coefficients]"))
-    rows = dict(table.get("covariance", {}))
+    rows = given["covariance"]
     names = tuple(rows)
     inside = place.inside("covariance")
     line = Quantities(NUMBER, max(len(names), 1), max(len(names), 1))
@@ -198,7 +210,7 @@ def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
     pair = Quantities(Quantity("-", LARGE, "range"), 2, 2)
     ranges = {
         name: (low, high)
-        for name, value in dict(table.get("ranges", {})).items()
+        for name, value in given["ranges"].items()
         for low, high in [pair.read(name, value, place.inside("ranges"))]
     }
     return {
