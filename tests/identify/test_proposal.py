@@ -14,6 +14,7 @@ from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.proposal import write_proposal
+from trainer.identify.sources import USUAL
 from trainer.identify.study import load_study, observe
 from trainer.units import KNOT
 
@@ -77,6 +78,10 @@ FILES = {
         {"t": T, "rudder": HELM, "hdg": HEADING, "lat": 54 + T / 1e4, "long": 8 + 0 * T},
         {"t": "s", "rudder": "deg", "heading": "deg", "latitude": "deg", "longitude": "deg"},
     ),
+    "a track as instruments send it": (
+        {"t": T, "rudder": HELM, "hdg": HEADING, "lat": 5400 + T / 1e3, "lon": -830 + 0 * T},
+        {"t": "s", "rudder": "deg", "heading": "deg", "latitude": "ddmm", "longitude": "ddmm"},
+    ),
 }
 
 
@@ -106,6 +111,14 @@ def test_what_forbids_the_record_s_use_is_said_and_the_study_written(tmp_path: P
     ).remarks
     assert "one of them is positive to port" in told
     assert "# length_m = 100  # fill in" in (tmp_path / "a.toml").read_text()
+
+
+def test_a_rudder_that_is_missing_somewhere_is_said(tmp_path: Path) -> None:
+    helm = HELM.astype(float)
+    helm[7] = np.nan
+    path = write(tmp_path / "a.csv", {"t": T, "rudder": helm, "heading": HEADING})
+    (told,) = write_proposal(path, tmp_path / "a.toml", None, None).remarks
+    assert "row 9: rudder: the rudder must be known at each row" in told
 
 
 def test_a_record_without_a_rudder_has_no_study(tmp_path: Path) -> None:
@@ -168,3 +181,7 @@ def test_the_example_is_what_the_trainer_flies(tmp_path: Path) -> None:
     assert flown[:2] == shipped[:2]
     numbers = [np.array([row.split(",") for row in one[2:]], float) for one in (flown, shipped)]
     assert numbers[0] == pytest.approx(numbers[1], abs=0.02)
+    call("new", tmp_path / "trial.trainer", "-o", tmp_path / "own.toml", "--length", 70.2)
+    study = load_study(tmp_path / "own.toml")
+    assert study.sensors == USUAL
+    assert len(observe(study).record.t) > 1000

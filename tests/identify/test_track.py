@@ -11,7 +11,7 @@ from geographiclib.geodesic import Geodesic
 from trainer.config.files import ConfigError
 from trainer.config.tables import read_table
 from trainer.identify.study import load_study, observe
-from trainer.identify.track import angles, ground_velocity
+from trainer.identify.track import ground_velocity
 from trainer.units import KNOT
 
 STEP, COUNT = 1.0, 200
@@ -178,7 +178,7 @@ def test_an_angle_is_read_as_it_is_written(
 ) -> None:
     (tmp_path / "a.csv").write_text(f"t;lat\n0;{text}\n1;2\n")
     table = read_table(tmp_path / "a.csv")
-    assert angles(table, 1, unit)[0] == pytest.approx(degrees, abs=1e-9, nan_ok=True)
+    assert table.angles(1, unit)[0] == pytest.approx(degrees, abs=1e-9, nan_ok=True)
 
 
 @pytest.mark.parametrize(
@@ -192,4 +192,4 @@ def test_an_angle_is_read_as_it_is_written(
 def test_an_angle_that_is_none_is_refused_by_row(tmp_path: Path, text: str, told: str) -> None:
     (tmp_path / "a.csv").write_text(f"t;lat\n0;{text}\n1;2\n")
     with pytest.raises(ConfigError, match=told):
-        angles(read_table(tmp_path / "a.csv"), 1, "deg")
+        read_table(tmp_path / "a.csv").angles(1, "deg")

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, time
+from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
@@ -20,10 +21,21 @@ Numbers = NDArray[np.float64]
 EMPTY: Final = ("", "nan", "na", "null", "-")
 SEPARATORS: Final = {"\t": "tabs", ";": '";"', ",": '","'}  # those that numbers cannot have first
 LOOKED_AT: Final = 40  # [rows] that tell the separator
+LARGEST: Final = 1e15  # of a number; what is beyond it is none that was measured
 DAY: Final = 86400.0  # [s]
+EVEN: Final = 1e-3  # [-] of an interval: what differs less is at one interval
+FEWEST: Final = 20  # rows, to judge a clock
+REPEATS: Final = 3  # times and
+SHARE: Final = 0.02  # of the times that must be repeated before a clock counts as rounded
+SLACK: Final = 0.6  # [-] of what a clock is rounded to, that a time may be off
 COMMA: Final = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")  # a number with a decimal comma
 POINT: Final = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
 BRACKETS: Final = re.compile(r"(.*\S)\s*(?:\[(.*)\]|\((.*)\))")  # rudder [deg], rudder (deg)
+ANGLE: Final = re.compile(  # 54.5, 54 30.0, 54-30.0 N, N54\u00b030'00\", 5430.0 of ddmm
+    r"([NSEW]?)\s*([+-]?\d+(?:[.,]\d*)?)\s*(?:[\u00b0\s-]\s*(\d+(?:[.,]\d*)?)\s*['\u2032]?"
+    r"\s*(?:(\d+(?:[.,]\d*)?)\s*[\"\u2033])?)?\s*\u00b0?\s*([NSEW]?)",
+    re.IGNORECASE,
+)
 SPELLINGS: Final = (  # of units, and ours
     (re.compile("°|degrees?|deg\\."), "deg"),
     (re.compile("radians?"), "rad"),
@@ -102,10 +114,44 @@ class Table:
             number = float(text)
         except ValueError:
             number = math.nan if text.casefold() in EMPTY else math.inf
-        if math.isinf(number):
+        if abs(number) > LARGEST:
             remedy = ": write it without a sign between thousands" if "," in text else ""
             raise self.wrong(row, place, f"must be a number, or empty{remedy}")
         return number
+
+    def angles(self, place: int, unit: str) -> Numbers:
+        """Return latitudes or longitudes in degrees, in radians if ``unit`` is rad; ConfigError.
+
+        A cell is a number, degrees and minutes together if ``unit`` is ddmm, or degrees with
+        minutes and seconds, and N, S, E or W.
+        """
+        rows = range(len(self.cells))
+        return np.array([self._angle(row, place, unit) for row in rows], float)
+
+    def _angle(self, row: int, place: int, unit: str) -> float:
+        """Return the angle of one cell; NaN if it is empty. ConfigError if it is none."""
+        text = self.cells[row][place]
+        found = ANGLE.fullmatch(text)
+        if found is None:
+            return self.number(row, place, text)
+        before, whole, *parts, after = found.groups()
+        size, minutes, seconds = (float((x or "0").replace(",", ".")) for x in (whole, *parts))
+        size = abs(size)
+        if unit == "ddmm" and not any(parts):
+            size, minutes = size // 100.0, size % 100.0
+        limit = math.pi if unit == "rad" else 180.0
+        size += (minutes + seconds / 60.0) / 60.0
+        if minutes >= 60.0 or size > limit:
+            remedy = 'unit = "ddmm" is degrees and minutes' if unit == "deg" else f"is it {unit}?"
+            raise self.wrong(row, place, f"must be at most {limit:.4g}, minutes below 60; {remedy}")
+        half = (before or after).upper()
+        return -size if half in ("S", "W") or (not half and whole.startswith("-")) else size
+
+    @property
+    def repeats(self) -> NDArray[np.bool_]:
+        """Return of each row whether it says what the one before it says."""
+        same = [row == before for before, row in pairwise(self.cells)]
+        return np.array([False, *same])
 
     def is_clock(self, place: int) -> bool:
         """Return whether a column has dates or times of day, not numbers."""
@@ -281,3 +327,36 @@ def _first_like(pattern: re.Pattern[str], rows: Rows) -> tuple[int, int, str] | 
                     yield line, place, cell
 
     return next(cells(), None)
+
+
+def rebuild_times(t: Numbers, same: NDArray[np.bool_]) -> tuple[Numbers, str]:
+    """Return even times [s] where a clock was rounded, and that in words.
+
+    Other times come back as they are. Each is off by no more than half of what was printed.
+    ``same`` has the rows that say what the row before them says.
+    """
+    steps = np.diff(t)
+    rises = len(t) >= FEWEST and bool(np.isfinite(t).all() and (steps >= 0.0).all())
+    if not rises or np.ptp(steps) <= EVEN * np.mean(steps):
+        return t, ""
+    repeated = np.append(False, steps == 0.0)
+    count = np.count_nonzero(repeated)
+    if 0 < count < max(REPEATS, SHARE * len(t)) or (count and same[repeated].all()):
+        return t, ""
+    for printed in _resolutions(t, repeats=bool(count)):
+        slope, start = np.polyfit(np.arange(len(t)), t, 1, w=1.0 / printed)
+        even = start + slope * np.arange(len(t))
+        if (np.abs(t - even) <= SLACK * printed).all():
+            return even, f"rounded times, {count} of them repeated: rebuilt every {slope:.6g} s"
+    return t, ""
+
+
+def _resolutions(t: Numbers, *, repeats: bool) -> Iterator[Numbers]:
+    """Yield what a clock may have been rounded to at each row: a step, or so many digits."""
+    steps = np.diff(t)
+    digits = [np.format_float_scientific(x, unique=True, trim="-") for x in np.round(t, 9)]
+    places = [len(text.partition("e")[0].replace(".", "").lstrip("-")) for text in digits]
+    powers = np.floor(np.log10(np.maximum(np.abs(t), 1e-9)))
+    finest = 10.0 ** float(np.min(powers + 1 - np.array(places), where=t != 0.0, initial=9))
+    yield np.full_like(t, steps[steps > 0.0].min() if repeats else finest)
+    yield np.maximum(10.0 ** (powers + 1 - max(places)), finest)

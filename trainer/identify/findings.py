@@ -11,10 +11,11 @@ from typing import Final
 import numpy as np
 
 from trainer.config.files import ConfigError
+from trainer.config.tables import EVEN
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import OUTPUTS, PLACES, Finding, Record
 from trainer.identify.study_records import Ship
-from trainer.identify.track import EVEN, unwrapped
+from trainer.identify.track import unwrapped
 from trainer.units import KNOT
 
 GAP: Final = 1.5  # [-] of the usual interval: a longer one is a gap
@@ -224,7 +225,7 @@ def positive_turns(record: Record) -> float | None:
     if rate is None:
         return None
     before = np.column_stack([rate[:-1], rudder[:-1], np.ones(len(rate) - 1)])
-    good = ~np.isnan(rate[1:]) & ~np.isnan(rate[:-1])
+    good = ~np.isnan(rate[1:] + rate[:-1] + rudder[:-1])
     if np.count_nonzero(good) < FEWEST:
         return None
     value, error = _slope(before[good], rate[1:][good], 1)

@@ -20,7 +20,7 @@ from trainer.config.tables import Table, read_table, spelt
 from trainer.core.kernel import Numbers
 from trainer.identify.findings import examine, positive_turns
 from trainer.identify.measurements import PLACES, Record
-from trainer.identify.sources import Column, load_record, own_columns, units_of
+from trainer.identify.sources import USUAL, Column, load_record, own_columns, units_of
 from trainer.identify.track import Drift, derivative, unwrapped, with_sway
 from trainer.io.paths import SUFFIX
 
@@ -43,7 +43,8 @@ ENDINGS: Final = (  # of a heading such as psi_deg
 HALF_ROUND: Final = 1.6  # [rad] no rudder goes so far
 ROUND: Final = 7.0  # [rad] a heading beyond it is in degrees
 FAST: Final = 12.0  # [m/s] what goes faster is in knots
-USUAL: Final = 0.05  # [1/s] yaw rate to a rudder
+TURNING: Final = 0.05  # [1/s] usual yaw rate to a rudder
+NAUTICAL: Final = re.compile(r"-?\d{4,5}(?:\.|$)")  # 5430.5 is a place in degrees and minutes
 TEXT: Final = """\
 # A study of {record}. What was guessed is marked: correct it. Fill in [ship]; then:
 # trainer identify {path}
@@ -61,6 +62,13 @@ data = {data}
 [model]
 kind = "{kind}"  # {others}
 outputs = {outputs}
+"""
+SENSORS: Final = f"""\
+[sensors]  # a recording is exact: what instruments add
+sway_kn = {USUAL.sway_kn}
+yaw_rate_deg_s = {USUAL.yaw_rate_deg_s}
+heading_deg = {USUAL.heading_deg}
+
 """
 
 
@@ -84,15 +92,8 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
     own = data.suffix == SUFFIX
     columns = own_columns() if own else _columns(read_table(data), guessed)
     record = load_record(data, columns)
-    turning, sign = positive_turns(record), ""
-    if turning is not None and turning > 0.0 and record.rudder is not None:
-        sign = f'positive_rudder = "starboard"  # guessed: {turning:.0f} standard errors say so\n'
-        record = replace(record, rudder=-record.rudder)
-    try:
-        record = with_sway(record, Drift(0.0, 0.0, 0.0))
-        remarks = tuple(map(str, examine(record)))
-    except ConfigError as wrong:
-        remarks = tuple(str(wrong).splitlines())
+    record, sign = _turned(record)
+    record, remarks = _examined(record)
     text = TEXT.format(
         record=data.name,
         path=as_typed(path),
@@ -102,13 +103,31 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
         begin=record.t[0],
         end=record.t[-1],
         interval="" if "t" in columns else "interval_s = 1  # guessed: there is no time\n",
-        columns="" if own else "".join(_rows(columns, guessed)),
+        columns=SENSORS if own else "".join(_rows(columns, guessed)),
         length=f"length_m = {length:g}" if length else "# length_m = 100  # fill in",
         speed=_speed(record, speed),
         **_model(record),
     )
     write_once(path, text)
     return Proposal(text, len(record.t), record.interval, columns, remarks)
+
+
+def _turned(record: Record) -> tuple[Record, str]:
+    """Return the record with a rudder that turns to port, and the line that says so."""
+    turning = positive_turns(record)
+    if turning is None or turning < 0.0:
+        return record, ""
+    line = f'positive_rudder = "starboard"  # guessed: {turning:.0f} standard errors say so\n'
+    return replace(record, rudder=-record.column("rudder")), line
+
+
+def _examined(record: Record) -> tuple[Record, tuple[str, ...]]:
+    """Return the record with the sway of its track, and what there is to say of it."""
+    try:
+        record = with_sway(record, Drift(0.0, 0.0, 0.0))
+        return record, tuple(map(str, examine(record)))
+    except ConfigError as wrong:
+        return record, tuple(str(wrong).splitlines())
 
 
 def _quoted(text: str) -> str:
@@ -186,8 +205,12 @@ def _likeness(name: str, channel: str) -> float:
 
 def _guess(table: Table, channel: str, columns: Mapping[str, str], units: Mapping[str, str]) -> str:
     """Return the likeliest unit of a column by its numbers."""
-    if channel == "t" or channel in PLACES:
-        return "s" if channel == "t" else "deg"
+    if channel == "t":
+        return "s"
+    if channel in PLACES:
+        both = [table.place(columns[one]) for one in PLACES if one in columns]
+        cells = (row[place] for row in table.cells for place in both)
+        return "ddmm" if any(map(NAUTICAL.match, cells)) else "deg"
     values = table.numbers(table.place(columns[channel]))
     if channel == "yaw_rate":
         return _rate_unit(table, values, columns, units)
@@ -202,7 +225,7 @@ def _rate_unit(
     """Return the unit in which a yaw rate is nearest to the heading's, or to a usual ship's."""
     wanted = {one: Column(columns[one], units[one]) for one in units}
     record = load_record(table.path, wanted)
-    size = USUAL * float(np.std(record.column("rudder")))
+    size = TURNING * float(np.std(record.column("rudder")))
     if record.heading is not None:
         size = float(np.nanstd(derivative(unwrapped(record.heading), record.interval)))
     own, known = float(np.nanstd(values)), units_of("yaw_rate")

@@ -1,20 +1,19 @@
 """Records from files, and instruments between a recording's exact state and a record."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from trainer.analysis.recording_export import table_layout
 from trainer.config.files import ConfigError, collecting, nearest, quote
 from trainer.config.schema import Quantity, optional, within
-from trainer.config.tables import Table, read_table
+from trainer.config.tables import Table, read_table, rebuild_times
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import CHANNELS, PLACES, Finding, Record
-from trainer.identify.track import EVEN, angles
 from trainer.io.paths import SUFFIX
 from trainer.session.header import reading
 from trainer.units import DEGREE, KNOT
@@ -33,10 +32,6 @@ OWN: Final = {  # columns of the trainer, SI and radians
     "sway": "v",
     "speed": "u",
 }
-FEWEST: Final = 20  # rows, to judge a clock
-REPEATS: Final = 3  # times and
-SHARE: Final = 0.02  # of the times that must be repeated before a clock counts as rounded
-SLACK: Final = 0.6  # [-] of what a clock is rounded to, that a time may be off
 
 
 @dataclass(frozen=True)
@@ -84,7 +79,6 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
         told=tuple(Finding(path.name, 0, text) for text in told),
         **taken,
     )
-    record = rebuild_times(record)
     _check_times(record)
     return record
 
@@ -104,8 +98,12 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
         raise ConfigError(*problems)
     told, other = list(table.told), list[str]()
     taken = {channel: _take(table, channel, one, other) for channel, one in columns.items()}
-    if "t" in columns and table.is_clock(table.place(columns["t"].name)):
-        told.append("times by ISO 8601")
+    if "t" in columns:
+        name = columns["t"].name
+        if table.is_clock(table.place(name)):
+            told.append("times by ISO 8601")
+        taken["t"], rebuilt = rebuild_times(taken["t"], table.repeats)
+        other += [f"{name}: {rebuilt}"] if rebuilt else []
     return table.lines, taken, ([f"read with {', '.join(told)}"] if told else []) + other
 
 
@@ -124,7 +122,7 @@ def _take(table: Table, channel: str, column: Column, told: list[str]) -> Number
         )
     if said and said != unit:
         told.append(f"{column.name} is in {said}, the study says {unit}: taken as {unit}")
-    numbers = angles(table, place, unit) if channel in PLACES else table.numbers(place)
+    numbers = table.angles(place, unit) if channel in PLACES else table.numbers(place)
     return numbers * known[unit]
 
 
@@ -165,47 +163,6 @@ def _check_times(record: Record) -> None:
         f"{record.source}: row {record.row(place)}: {record.name('t')} = {now:g} s {how}; "
         "times must rise"
     )
-
-
-def rebuild_times(record: Record) -> Record:
-    """Return a record whose clock was rounded with even times; another one unchanged.
-
-    Its times are those of an even interval, each off by no more than half of what was printed.
-    """
-    t = record.t
-    steps = np.diff(t)
-    uneven = np.ptp(steps) > EVEN * np.mean(steps)
-    if not (np.isfinite(t).all() and uneven and (steps >= 0.0).all() and len(t) >= FEWEST):
-        return record
-    repeated = np.flatnonzero(steps == 0.0) + 1
-    few = 0 < repeated.size < max(REPEATS, SHARE * len(t))
-    if few or (repeated.size and all(_same(record, place) for place in repeated)):
-        return record
-    for printed in _resolutions(t, repeats=bool(repeated.size)):
-        slope, start = np.polyfit(np.arange(len(t)), t, 1, w=1.0 / printed)
-        even = start + slope * np.arange(len(t))
-        if (np.abs(t - even) <= SLACK * printed).all():
-            text = f"rounded times, {repeated.size} of them repeated: rebuilt every {slope:.6g} s"
-            found = Finding(record.name("t"), 0, text)
-            return replace(record, t=even, told=(*record.told, found))
-    return record
-
-
-def _same(record: Record, place: Any) -> bool:
-    """Return whether a row says what the one before it says."""
-    columns = (getattr(record, name) for name in (*record.channels, *PLACES))
-    return all(one is None or one[place] == one[place - 1] for one in columns)
-
-
-def _resolutions(t: Numbers, *, repeats: bool) -> Iterator[Numbers]:
-    """Yield what a clock may have been rounded to at each row: a step, or so many digits."""
-    steps = np.diff(t)
-    digits = [np.format_float_scientific(x, unique=True, trim="-") for x in np.round(t, 9)]
-    places = [len(text.partition("e")[0].replace(".", "").lstrip("-")) for text in digits]
-    powers = np.floor(np.log10(np.maximum(np.abs(t), 1e-9)))
-    finest = 10.0 ** float(np.min(powers + 1 - np.array(places), where=t != 0.0, initial=9))
-    yield np.full_like(t, steps[steps > 0.0].min() if repeats else finest)
-    yield np.maximum(10.0 ** (powers + 1 - max(places)), finest)
 
 
 DEVIATION: Final = within(0, 100)

@@ -6,22 +6,19 @@ meridian and N across it: J. P. Snyder, Map Projections - A Working Manual, U.S.
 Professional Paper 1395 (1987), pages 24-25; the ellipsoid's numbers are of NIMA TR8350.2.
 """
 
-import math
-import re
 from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from trainer.config.files import ConfigError
-from trainer.config.tables import Table
+from trainer.config.tables import EVEN
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import Finding, Record
 
 EQUATOR: Final = 6_378_137.0  # [m] of WGS 84
 FLATTENING: Final = 1.0 / 298.257223563  # [-] likewise
 SPENCER: Final = np.array([-3, -6, -5, 3, 21, 46, 67, 74, 67, 46, 21, 3, -5, -6, -3]) / 320.0
-EVEN: Final = 1e-3  # [-] of the interval, that sampling may vary
 
 
 def derivative(series: Numbers, interval: float) -> Numbers:
@@ -134,38 +131,3 @@ def with_sway(record: Record, drift: Drift) -> Record:
     if own is None:
         names["yaw_rate"] = f"yaw rate of {record.name('heading')}"
     return replace(record, sway=sway, yaw_rate=rate, names=names, told=(*record.told, told))
-
-
-ANGLE: Final = re.compile(  # 54.5, 54 30.0, 54-30.0 N, N54\u00b030'00\", 5430.0 of ddmm
-    r"([NSEW]?)\s*([+-]?\d+(?:[.,]\d*)?)\s*(?:[\u00b0\s-]\s*(\d+(?:[.,]\d*)?)\s*['\u2032]?"
-    r"\s*(?:(\d+(?:[.,]\d*)?)\s*[\"\u2033])?)?\s*\u00b0?\s*([NSEW]?)",
-    re.IGNORECASE,
-)
-
-
-def angles(table: Table, place: int, unit: str) -> Numbers:
-    """Return latitudes or longitudes in degrees, radians if ``unit`` is that; ConfigError.
-
-    A cell is a number, or degrees with minutes and seconds, and N, S, E or W.
-    """
-    return np.array([_angle(table, row, place, unit) for row in range(len(table.cells))])
-
-
-def _angle(table: Table, row: int, place: int, unit: str) -> float:
-    """Return the angle of one cell; NaN if it is empty. ConfigError if it is none."""
-    text = table.cells[row][place]
-    found = ANGLE.fullmatch(text)
-    if found is None:
-        return table.number(row, place, text)
-    before, whole, *parts, after = found.groups()
-    degrees, minutes, seconds = (float((part or "0").replace(",", ".")) for part in (whole, *parts))
-    size = abs(degrees)
-    if unit == "ddmm" and not any(parts):
-        size, minutes = size // 100.0, size % 100.0
-    limit = math.pi if unit == "rad" else 180.0
-    size += (minutes + seconds / 60.0) / 60.0
-    if minutes >= 60.0 or size > limit:
-        remedy = 'unit = "ddmm" is degrees and minutes' if unit == "deg" else f"is it in {unit}?"
-        raise table.wrong(row, place, f"must be at most {limit:.4g}, minutes below 60; {remedy}")
-    south = (before or after).upper() in ("S", "W") if before or after else whole.startswith("-")
-    return -size if south else size
