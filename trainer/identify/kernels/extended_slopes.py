@@ -132,7 +132,10 @@ def transition_slopes(
 def spread_slopes(
     phi: Numbers, dphi: Numbers, G: Numbers, dP: Numbers, work: tuple[Numbers, Numbers]
 ) -> None:
-    """Write dphi G + (dphi G)' + phi dP phi' to ``dP``; ``G`` is (P + T/2 R1) phi'."""
+    """Advance ``dP`` to dphi G + (dphi G)' + phi dP phi'.
+
+    ``G`` is (P + T/2 R1) phi'.
+    """
     turned, half = work
     for i in range(4):
         for k in range(4):
@@ -155,7 +158,7 @@ def spread_slopes(
 
 @lean
 def noise_slopes(phi: Numbers, noise: Numbers, T: float, first: int, dP: Numbers) -> None:
-    """Add what the logarithms of the disturbances do to ``dP``; ``first`` is the place of one."""
+    """Add the derivatives by the disturbances' logarithms, ``first`` on, to ``dP``."""
     for g in range(3):
         weight = T * noise[g] * noise[g]
         for i in range(4):
@@ -168,7 +171,7 @@ def noise_slopes(phi: Numbers, noise: Numbers, T: float, first: int, dP: Numbers
 def rate_slopes(
     system: System, table: Numbers, rates: Numbers, S: Numbers, own: Numbers, out: Numbers
 ) -> None:
-    """Write the derivatives (4, q) of the rates at a stage whose state has derivatives ``S``."""
+    """Write the derivatives (4, q) of the rates, those of the state being ``S``."""
     for e in range(3):
         for j in range(S.shape[1]):
             out[e, j] = 0.0
