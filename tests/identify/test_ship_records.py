@@ -15,6 +15,7 @@ from helpers import ships
 from helpers.places import ROOT
 from helpers.ships import COEFFICIENTS, SHIP, sailed_zigzag
 
+import trainer
 from trainer.analysis.manoeuvres.flight import fly
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT, STARBOARD
@@ -300,6 +301,13 @@ def test_what_the_models_do_not_know_is_refused(columns: Columns, tmp_path: Path
     assert all(one.exit_code != 0 for one in answers.values())
     for words, one in answers.items():
         assert words in one.output + str(one.exception), words
+
+
+def test_the_python_face_sends_to_the_command(columns: Columns, tmp_path: Path) -> None:
+    record = written(columns, tmp_path / "a.csv")
+
+    with pytest.raises(ConfigError, match="model mmg: is fitted by the command"):
+        trainer.identify_ship(record, model="mmg", length=320.0)  # type: ignore[arg-type]
 
 
 def blocks(kind: str) -> list[str]:
