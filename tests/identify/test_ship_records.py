@@ -169,6 +169,8 @@ def test_a_length_in_feet_is_asked_after() -> None:
 def test_a_wrong_key_of_a_ship_file_is_named_with_the_nearest() -> None:
     with pytest.raises(ConfigError, match=r"ship.toml: \[dimensions\] beem_m .*beam_m"):
         parse_ship(ship_text(SHIP, "").replace("beam_m", "beem_m"), Path("ship.toml"))
+    with pytest.raises(ConfigError, match=r"sensor = .*no such key; nearest is sensors"):
+        parse_ship("sensor = 1\n" + ship_text(SHIP, ""), Path("ship.toml"))
 
 
 @pytest.mark.parametrize(
