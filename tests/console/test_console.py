@@ -34,10 +34,10 @@ from trainer.console.client import Barred, Client, Item, Joined, Lost
 from trainer.console.drawing.chart import limits
 from trainer.console.drawing.hull import turn
 from trainer.console.entry import Entry, complete, hint, offer
-from trainer.console.journal import Sample, Trace
+from trainer.console.journal import Kept, Sample, Trace
 from trainer.console.keys import KEYS, Give, Move, key_tables
 from trainer.console.layouts import LAYOUTS, wishes
-from trainer.console.model import Broken, Kept, SessionModel
+from trainer.console.model import Broken, SessionModel
 from trainer.console.pane import GROUND, INKS, Pane, contrast, plain
 from trainer.console.readings import ChannelReadings
 from trainer.io.orders import sentences

@@ -1,12 +1,14 @@
-"""What a screen that comes late, or returns, has not seen: charts, the log, the time line."""
+"""What lies before and after the present: what a late screen has not seen, what is planned."""
 
 import pytest
 from helpers.screens import CREW, Tape, sight_of, tape, values
 
 from trainer.console.client import Joined, Lost
+from trainer.console.drawing.event_log import time_at, time_line
 from trainer.console.journal import Entry, Sample, Trace
 from trainer.console.layouts import LAYOUTS
 from trainer.console.model import SessionModel
+from trainer.console.pane import plain
 from trainer.io.orders import sentences
 
 
@@ -110,3 +112,29 @@ def test_what_was_sampled_live_is_not_replaced() -> None:
     trace.recall([(second, [Sample(-1.0, None)]) for second in (1.0, 5.0, 9.0)])
     assert trace.times == [1.0, 5.0, 6.0]
     assert [samples[0].actual for samples in trace.samples] == [-1.0, 5.0, 6.0]
+
+
+def test_the_time_line_shows_what_is_planned_and_reaches_so_far() -> None:
+    talk = tape()
+    ahead = (
+        "1,150.000,casualty stern-stuck",
+        "2,90.000,depth 80",
+        ",depth > 80,casualty rudder-stuck",
+    )
+    for what, subject in (("plans", "3"), *(("planned", each) for each in ahead)):
+        talk.say(sentences.fact(120, 60.0, what, subject))
+    model = sight_of(talk)
+    model.hear()
+    (drawn,) = time_line(model, 80, 1)
+    room = 80 - len(" 00:00 ") - len(" 00:02:30 ")
+    signs = "".join(text for text, _ in drawn)[len(" 00:00 ") :]
+    assert {sign: place for place, sign in enumerate(signs[:room]) if sign in "co┃"} == {
+        "┃": round(60.0 / 150.0 * (room - 1)),
+        "o": round(90.0 / 150.0 * (room - 1)),
+        "c": room - 1,
+    }
+    assert time_at(model, 80, 7 + room - 1) == 150.0
+
+    talk.say(sentences.fact(124, 62.0, "plans", "0"))
+    model.hear()
+    assert plain(time_line(model, 80, 1)).endswith("┃ 00:01:00")

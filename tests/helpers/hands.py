@@ -10,6 +10,7 @@ from helpers.pages import PATIENCE
 from trainer.session.stations.channels import CHANNELS
 from trainer.verify.soak.session_process import Caller
 
+EACH_WAY: Final = ("mouse", "touch", "keyboard")
 WAYS: Final = ("mouse", pytest.param("touch", marks=pytest.mark.slow), "keyboard")
 
 # Where something on a page is wider or higher than its place, or lies beyond the window.
@@ -49,16 +50,14 @@ def work(page: Page, control: Locator, way: str, part: tuple[float, float] = (0.
         control.focus()
         page.keyboard.press("Enter")
         return
+    if part == (0.5, 0.5):
+        control.click() if way == "mouse" else control.tap()
+        return
     control.scroll_into_view_if_needed()
     box = control.bounding_box()
     assert box
     x, y = box["x"] + box["width"] * part[0], box["y"] + box["height"] * part[1]
-    if way == "mouse" and part == (0.5, 0.5):
-        control.click()
-    elif way == "mouse":
-        page.mouse.click(x, y)
-    else:
-        page.touchscreen.tap(x, y)
+    (page.mouse.click if way == "mouse" else page.touchscreen.tap)(x, y)
 
 
 def work_frame(page: Page, way: str) -> None:
@@ -91,7 +90,7 @@ def report(page: Page, words: str, way: str) -> None:
     field = page.get_by_label("Report", exact=True)
     work(page, field, way)
     field.fill(words)
-    work(page, page.locator("report-bar button"), way)
+    work(page, page.locator("report-bar form button"), way)
     expect(field).to_be_empty()
 
 

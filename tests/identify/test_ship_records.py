@@ -296,7 +296,6 @@ def test_what_the_models_do_not_know_is_refused(columns: Columns, tmp_path: Path
         "noise": asked(
             "identify", record, "--model", "mmg", "--ship", ship, "--noise", "covariance"
         ),
-        "one record at a time": asked("identify", record, record, "--model", "1"),
         r"lacks [result]": asked("manoeuvre", "zigzag-20", ship),
     }
 

@@ -227,6 +227,28 @@ def test_a_line_sent_in_parts_arrives_whole_and_one_cut_off_is_counted() -> None
     assert line.dropped == 3
 
 
+def test_an_answer_goes_out_at_once_and_what_comes_after_by_the_hub() -> None:
+    near, far = socket.socketpair()
+    stirred: list[str] = []
+    line = Connection(far, "asking", threading.Event(), lambda: stirred.append("stirred"))
+    with near:
+        near.settimeout(PATIENCE)
+        near.sendall(b"who\r\n")
+        line.serve(connection.READ)
+        assert line.take(1) == ["who"]
+        line.send("answer")
+        assert near.recv(100) == b"answer\r\n"
+        assert not stirred
+
+        line.send("news")
+        assert stirred
+        line.take(1)  # nothing has come: nobody asks
+        line.send("more")
+        line.serve(connection.WRITE)
+        assert near.recv(100) == b"news\r\nmore\r\n"
+        line.dispose()
+
+
 def test_a_flood_is_held_back_at_its_source_and_nothing_of_it_is_lost() -> None:
     with control() as here, client(here) as (far, line), client(here) as (calm, other):
         count = 3000

@@ -525,6 +525,21 @@ def test_the_past_is_that_of_the_role_and_of_the_present_branch(
     assert [row[1] for row in past(ship, other, "motion")] == [str(tick) for tick in range(17)]
 
 
+def test_what_was_ordered_at_the_start_is_no_past_after_a_reset(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+    ship.order("casualty rudder-stuck")
+    ship.order("reset")
+    ship.order("mark on the second way")
+    other = ship.comes("instructor")
+
+    ship.say(other, "history events")
+
+    assert ship.facts(other, "order") == []
+    assert ship.facts(other, "mark") == ["on the second way"]
+
+
 def test_without_a_recording_the_past_is_what_memory_keeps(crewed: Callable[..., Crewed]) -> None:
     ship = crewed(seconds=None)
     ship.conduct.kept = None

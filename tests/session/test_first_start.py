@@ -218,6 +218,17 @@ def test_one_process_compiles_however_many_are_started(started: list[str]) -> No
     assert started == ["interpreted", "compiled beside", "interpreted"]
 
 
+def test_who_makes_a_page_is_told_that_the_boat_is_compiled_and_once(tmp_path: Path) -> None:
+    page = str(tmp_path / "boat.html")
+    with all_but_the_mark(tmp_path / "cache"):
+        first = trained("export-page", page, cache=tmp_path / "cache")
+        second = trained("export-page", page, cache=tmp_path / "cache")
+
+    assert first.stderr == "compiling the boat, this once (some 20 seconds) ...\n"
+    assert second.stderr == ""
+    assert first.stdout == second.stdout
+
+
 def test_a_run_after_the_cache_is_full_says_nothing(started: list[str]) -> None:
     compilation.keep()
 

@@ -65,6 +65,26 @@ CONTROLS: Final = (
     ("[data-switch=drain] [data-position=stop]", "tanks.draining", ""),
 )
 
+# Words at valves and of flooded compartments that a pipe, a valve or another word goes through.
+CROSSED: Final = """() => {
+  const seen = (each) => each.checkVisibility() && (each.textContent || !each.matches("text"));
+  const all = (kind) => [...document.querySelectorAll(`tank-mimic ${kind}`)].filter(seen);
+  const within = ({ x, y }, { left, right, top, bottom }) =>
+    x > left && x < right && y > top && y < bottom;
+  const places = (line) => Array.from({ length: 200 }, (_, at) => line
+    .getPointAtLength((line.getTotalLength() * at) / 199).matrixTransform(line.getScreenCTM()));
+  const lines = [...all(".pipe"), ...all(".body"), ...all(".pump")].flatMap(places);
+  return all(".word").filter((word) => {
+    const box = word.getBoundingClientRect();
+    const ends = all("text").filter((each) => each !== word).flatMap((each) => {
+      const { left, right, top, bottom } = each.getBoundingClientRect();
+      const y = (top + bottom) / 2;
+      return [{ x: left, y }, { x: (left + right) / 2, y }, { x: right, y }];
+    });
+    return [...lines, ...ends].some((place) => within(place, box));
+  }).map((word) => word.textContent);
+}"""
+
 
 @pytest.fixture(autouse=True)
 def level(instructor: Caller) -> None:
@@ -284,9 +304,15 @@ def test_an_order_to_all_is_repeated_by_its_key(
     assert heard(instructor, "prepare to surface aye")
 
 
-@pytest.mark.usefixtures("instructor")
-def test_nothing_is_cut_at_any_size(shared: Served, look: Look) -> None:
+def test_nothing_is_cut_and_no_word_of_the_picture_lies_on_a_pipe_at_any_size(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
     page = open_ballast(look, shared)
+    for compartment in ("aft", "centre", "forward"):
+        assert instructor.ask(f"casualty flooding-{compartment}")[0]
+    assert instructor.ask("emergency blow")[0]
+    step(instructor, 240)
+    expect(page.locator("tank-mimic .flooded .word:visible")).to_have_count(3)
     for width, height in SIZES.values():
         page.set_viewport_size({"width": width, "height": height})
         keys = page.locator("part-keys[part=group] button")
@@ -295,6 +321,7 @@ def test_nothing_is_cut_at_any_size(shared: Served, look: Look) -> None:
             if shown > 1:
                 keys.nth(place).click()
             assert page.evaluate(CUT) == [], f"{width}x{height}, group {place}"
+            assert page.evaluate(CROSSED) == [], f"{width}x{height}, group {place}"
 
 
 @pytest.mark.slow

@@ -84,6 +84,8 @@ def test_an_alert_is_in_plain_words_without_its_tick_and_is_acknowledged(
     assert not [words for words in told if re.search(r"\btick\b|\(\d", words)]
     new = page.locator("alert-bar .alert[data-new] b").get_by_text(told[0], exact=True)
     expect(new).to_have_count(1)
+    page.set_viewport_size({"width": 360, "height": 640})
+    expect(page.locator("alert-bar .alert button").first).to_be_in_viewport(ratio=1.0)
     if way == "keyboard":
         page.locator("body").press("a")
     else:
@@ -107,3 +109,43 @@ def test_rig_for_red_makes_every_page_night_and_white_gives_back_its_own(
     late.locator("#palette").select_option("dusk")  # by the user's hand it may be another
     step(instructor, 2)
     expect(late.locator(":root")).to_have_attribute("data-palette", "dusk")
+
+
+def test_a_page_that_comes_at_the_start_knows_what_was_done_before(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    for words in ("mark she is light", "mark she is heavy", "casualty stern-stuck"):
+        assert instructor.ask(words)[0]
+    log = opened(look, shared, "observer").locator("#log li", has_text="she is")
+    expect(log).to_contain_text(["light", "heavy"])
+    line = opened(look, shared, "instructor").locator("time-line")
+    expect(line.locator(".mark")).to_have_count(2)
+    expect(line.locator(".casualty")).to_have_count(1)
+
+    assert instructor.ask("reset")[0]
+    expect(line.locator(".mark")).to_have_count(0)
+    late = opened(look, shared, "instructor")
+    expect(late.locator("#log")).to_contain_text("reset")
+    expect(late.locator("time-line .sign")).to_have_count(0)
+
+
+LAID_IN: Final = """async () => {
+  const { laidIn } = await import("/assets/js/model/told.js");
+  const entries = (words) => words.split(" ").map((each) =>
+    ({ seconds: Number(each.slice(1)), kind: "station", text: each[0] }));
+  const told = (log, earlier) => laidIn(entries(log), entries(earlier)).map(({ text }) => text);
+  const [own, whole] = ["instructor: depth 80: ok", "instructor at tcp 127.0.0.1:7: depth 80: ok"]
+    .map((text, at) => [{ seconds: 7 + at / 2, kind: "own", text }]);
+  return [
+    ...[["c0 d0", "a0 b0 c0"], ["a0 b5 f50", "a0 b5 c5 d20 e40"], ["x0", "a0 b0"]]
+      .map(([log, earlier]) => told(log, earlier).join("")),
+    laidIn(own, whole).length,
+  ];
+}"""
+
+
+@pytest.mark.usefixtures("instructor")
+def test_what_was_told_before_is_laid_into_the_log_where_it_belongs(
+    shared: Served, look: Look
+) -> None:
+    assert opened(look, shared, "helm").evaluate(LAID_IN) == ["abcd", "abcdef", "xab", 1]

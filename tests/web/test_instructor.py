@@ -5,15 +5,14 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
-from helpers.pages import SIZES, Served
-from playwright.sync_api import Locator, Page, expect
+from helpers.hands import WAYS, await_truth, work
+from helpers.pages import PATIENCE, SIZES, Served
+from playwright.sync_api import Page, expect
 
 from trainer.verify.soak.session_process import Caller
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]
-WAYS = ("mouse", pytest.param("touch", marks=pytest.mark.slow), "keyboard")
-PATIENCE = 20.0  # [s] ten times what it takes
 COURSE = "Passage, fast and deep"
 
 
@@ -42,47 +41,9 @@ def settled(session: Served, look: Look, size: str = "desk", **how: object) -> P
     return page
 
 
-def work(page: Page, control: Locator, way: str) -> None:
-    """Work a control by the mouse, a finger or the keyboard."""
-    if way == "keyboard":
-        control.focus()
-        page.keyboard.press("Enter")
-    elif way == "touch":
-        control.tap()
-    else:
-        control.click()
-
-
 def opened(session: Served, look: Look, way: str) -> Page:
     """Return the page in a browser that has a touch panel where it is to be touched."""
     return settled(session, look, has_touch=way == "touch")
-
-
-def value(caller: Caller, channel: str, field: str) -> str:
-    """Return a value of a channel as it is now."""
-    names = {
-        "time": ["time", "speed", "held", "branch", "replay"],
-        "casualties": ["casualty_1", "casualty_1_amount"],
-        "orders": ["course", "course_side", "course_error", "course_since", "depth"],
-        "sea": ["height", "period", "from", "ordered_height"],
-    }
-    assert caller.ask(f"subscribe {channel}")[0]
-    end = time.monotonic() + PATIENCE
-    while channel not in caller.shown and time.monotonic() < end:
-        caller.ask("who")
-    caller.ask("who")
-    return caller.shown[channel][2 + names[channel].index(field)]
-
-
-def until(caller: Caller, channel: str, field: str, wanted: str) -> None:
-    """Wait until a value is as wanted; fail where it never is."""
-    end, found = time.monotonic() + PATIENCE, ""
-    while time.monotonic() < end:
-        found = value(caller, channel, field)
-        if found == wanted:
-            return
-        time.sleep(0.05)
-    raise AssertionError(f"{channel}.{field} is {found!r}, not {wanted!r}")
 
 
 def drag(page: Page, seconds: float, upon: str = "time-line .track") -> None:
@@ -125,12 +86,12 @@ def test_time_is_let_go_made_faster_stepped_and_stopped(
     caller.ask("give command")
 
     work(page, page.locator("#freeze"), way)
-    until(caller, "time", "time", "running")
+    await_truth(caller, "time.time", "running")
     work(page, page.locator("[data-pace='4']"), way)
-    until(caller, "time", "speed", "4.0")
+    await_truth(caller, "time.speed", "4.0")
     expect(page.locator("[data-pace='4']")).to_have_attribute("aria-pressed", "true")
     work(page, page.locator("#freeze"), way)
-    until(caller, "time", "time", "frozen")
+    await_truth(caller, "time.time", "frozen")
     before = seconds_of(caller)
     work(page, page.locator("#step"), way)
     expect(page.locator("#log")).to_contain_text("step: 1 tick")
@@ -154,7 +115,7 @@ def test_a_casualty_is_given_in_its_unit_by_two_clicks_and_cleared(
     work(page, page.locator("#give"), way)
     expect(page.locator("#log")).to_contain_text("casualty stern-hard-over -0.2")
     page.locator("#step").click()
-    until(caller, "casualties", "casualty_1", "stern-hard-over")
+    await_truth(caller, "casualties.casualty_1", "stern-hard-over")
     expect(page.locator("#broken")).to_contain_text("6 deg dive")
     expect(page.locator("time-line .casualty")).to_have_count(1)
     work(page, page.locator("#broken button"), way)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.hands import EACH_WAY, UNWORKED, work
 from helpers.pages import Served, served
 from playwright.sync_api import Locator, Page, expect
 
@@ -210,6 +211,28 @@ def test_mouse_touch_and_keys_work_the_lever_and_the_session_has_it(
     dragged = angle_of(page)
     assert dragged < -2
     ordered(dragged)
+
+
+def test_each_key_is_worked_by_mouse_touch_and_keyboard(kiosk: Kiosk, look: Look) -> None:
+    page = look(kiosk.session, "kiosk", has_touch=True)
+    html = page.locator("html")
+    for way in EACH_WAY:
+        for language in ("de", "en"):
+            work(page, page.locator("#language"), way)
+            expect(html).to_have_attribute("lang", language)
+        work(page, page.locator("#start"), way)
+        scene(page, "dive")
+        work(page, page.locator("#stop"), way)
+        scene(page, "attract")
+        work(page, page.locator("#start"), way)
+        scene(page, "dive")
+        kiosk.order("end exercise")
+        scene(page, "result")
+        work(page, page.locator("#again"), way)
+        scene(page, "dive")
+        work(page, page.locator("#stop"), way)
+        scene(page, "attract")
+    assert page.evaluate(UNWORKED) == []
 
 
 def test_each_dive_begins_with_the_same_bits(kiosk: Kiosk, look: Look) -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import pytest
+from helpers.hands import EACH_WAY, work
 from helpers.pages import SIZES, Served
 from playwright.sync_api import Page, expect
 
@@ -53,7 +54,7 @@ def test_the_first_page_tells_what_is_sailed_and_who_is_where(serve: Serve, look
     expect(late.locator("#exercise-body .big")).to_contain_text("marks of 100", timeout=60_000)
 
 
-def test_the_first_page_of_a_session_with_a_word_tells_nothing_of_it(
+def test_a_session_with_a_word_tells_nothing_before_and_takes_it_by_every_hand(
     serve: Serve, look: Look
 ) -> None:
     session = serve("stern-plane-jam", "--token", "mast")
@@ -63,6 +64,22 @@ def test_the_first_page_of_a_session_with_a_word_tells_nothing_of_it(
     expect(page.locator("body")).not_to_contain_text("Passage")
     page.locator("[href='/helm']").click()
     expect(page.locator("#word-title")).to_contain_text("asks for a word")
+    for way in EACH_WAY:
+        type_word(look(session, "helm", has_touch=True), way)
+
+
+def type_word(page: Page, way: str) -> None:
+    """Type a wrong word, go away and come back, and type the right one."""
+    field, enter = page.locator("#word input"), page.locator("#word form button")
+    field.fill("boom")
+    work(page, enter, way)
+    expect(page.locator("#refusal")).not_to_be_empty()
+    work(page, page.locator("#word a"), way)
+    expect(page.locator("#state")).to_have_text("CONNECTED")
+    work(page, page.locator("[href='/helm']"), way)
+    field.fill("mast")
+    work(page, enter, way)
+    expect(page.locator("#state")).to_have_text("FROZEN")
 
 
 @pytest.mark.parametrize("size", SIZES)

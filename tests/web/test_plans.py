@@ -5,14 +5,14 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 import pytest
+from helpers.hands import WAYS, work
 from helpers.pages import Served
-from playwright.sync_api import Locator, Page, WebSocket, expect
+from playwright.sync_api import Page, WebSocket, expect
 
 from trainer.verify.soak.session_process import Caller
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]
-WAYS = ("mouse", pytest.param("touch", marks=pytest.mark.slow), "keyboard")
 
 
 @pytest.fixture
@@ -32,17 +32,6 @@ def opened(session: Served, look: Look, way: str = "mouse", size: str = "desk") 
     page.keyboard.press("Escape")
     expect(page.locator("#exercise")).to_be_hidden()
     return page
-
-
-def work(page: Page, control: Locator, way: str) -> None:
-    """Work a control by the mouse, a finger or the keyboard."""
-    if way == "keyboard":
-        control.focus()
-        page.keyboard.press("Enter")
-    elif way == "touch":
-        control.tap()
-    else:
-        control.click()
 
 
 @pytest.mark.parametrize("way", WAYS)

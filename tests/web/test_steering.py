@@ -10,6 +10,7 @@ from typing import Final
 
 import pytest
 from helpers.hands import (
+    EACH_WAY,
     UNWORKED,
     WAYS,
     await_truth,
@@ -141,6 +142,27 @@ def test_each_half_of_a_small_pilot_s_page_works_without_the_other(
     work(page, page.get_by_role("button", name="Steer", exact=True), way)
     work(page, page.locator("[data-bell='astern full']"), way)
     await_truth(instructor, "engine.bell", "astern-full")
+    report_by_key(page, instructor, way)
+
+
+def report_by_key(page: Page, instructor: Caller, way: str) -> None:
+    """Report by the window that a phone has in the bar's place, held either way."""
+    key, window = page.locator("report-bar > .open"), page.locator("report-bar dialog")
+    for size, words in (("phone", "on depth"), ("phone-side", "steady")):
+        width, height = SIZES[size]
+        page.set_viewport_size({"width": width, "height": height})
+        work(page, key, way)
+        assert page.evaluate(BEYOND) == [], size
+        work(page, window.get_by_role("button", name=words), way)
+        expect(window).to_be_hidden()
+        assert heard(instructor, words)
+        work(page, key, way)
+        report(page, f"{words} by {way}", way)
+        expect(window).to_be_hidden()
+        assert heard(instructor, f"{words} by {way}")
+        work(page, key, way)
+        work(page, window.get_by_role("button", name="Close"), way)
+        expect(window).to_be_hidden()
 
 
 def standing(page: Page, name: str) -> int:
@@ -334,17 +356,24 @@ def test_nothing_is_cut_and_no_numeral_covers_another_at_any_size(
             assert page.evaluate(OVERLAPS) == [], size
 
 
-def test_the_briefing_opens_first_and_the_end_is_told(serve: Serve, look: Look) -> None:
+def test_the_briefing_opens_first_its_keys_are_worked_and_the_end_is_told(
+    serve: Serve, look: Look
+) -> None:
     served = serve("first-depth-change")
-    page, session = look(served, "planes"), served.attach()
+    page, session = look(served, "planes", has_touch=True), served.attach()
     briefing = page.locator("#briefing")
     expect(briefing).to_be_visible()
     expect(briefing).to_contain_text("By hand")
     page.keyboard.press("F1")
     expect(briefing).to_be_hidden()
-    page.keyboard.press("F1")
-    page.locator("#ready").click()
-    expect(briefing).to_be_hidden()
+    for way in EACH_WAY:
+        for key in ("#close-briefing", "#ready"):
+            work(page, page.locator("#show-briefing"), way)
+            expect(briefing).to_be_visible()
+            work(page, page.locator(key), way)
+            expect(briefing).to_be_hidden()
+        assert heard(session, "is ready")  # told once each time
+        session.news.clear()
     assert session.ask("run")[0]
     assert session.ask("end exercise")[0]
     expect(page.locator("#state")).to_have_text("ENDED")

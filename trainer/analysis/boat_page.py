@@ -43,6 +43,7 @@ from trainer.session.stations.briefing import ranges
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import ROLES
 from trainer.session.stations.view import Fittings
+from trainer.session.warm_up import warm
 from trainer.units import KNOT
 
 SEA_STATES: Final = range(9)
@@ -181,6 +182,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
             raise ConfigError(f"{path.name}: {each}: in a page it would not be the same run")
         plan = plan_of(header)
         boat = Boat(plan.file, plan.method)
+        warm(boat)
         layout = layout_of(header)
         plan.start(boat)
         flown = [fly(recording, each, boat, plan, layout) for each in recording.branches()]

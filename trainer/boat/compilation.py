@@ -11,7 +11,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType
 from typing import Final
@@ -29,10 +29,10 @@ def is_kept() -> bool:
     return mark("complete", "core").exists()
 
 
-def keep() -> None:
+def keep(name: str = "complete", folder: str = "core") -> None:
     """Note that everything that a run needs has been compiled; nothing where that cannot be."""
     with contextlib.suppress(OSError):
-        mark("complete", "core").touch()
+        mark(name, folder).touch()
 
 
 def is_settled() -> bool:
@@ -66,6 +66,24 @@ def is_interpreted() -> bool:
     import numba  # noqa: PLC0415
 
     return bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
+
+
+@contextlib.contextmanager
+def announced(
+    what: str, tell: Callable[[str], None], name: str = "complete", folder: str = "core"
+) -> Iterator[None]:
+    """Tell what is compiled in the block, where this machine has not kept it yet.
+
+    ``name`` is that of the mark that a block leaves which succeeds, for the kernels in a folder of
+    the package.
+    """
+    if is_interpreted() or mark(name, folder).exists():
+        yield
+        return
+    tell(f"compiling {what} ...")
+    with interruptible():
+        yield
+    keep(name, folder)
 
 
 @contextlib.contextmanager

@@ -157,12 +157,13 @@ def boat_at_start(options: RunOptions) -> Any:
     from trainer.config.sea import load_sea  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
     from trainer.session.plan import choose_method  # noqa: PLC0415
-    from trainer.session.warm_up import refuse_unstable  # noqa: PLC0415
+    from trainer.session.warm_up import refuse_unstable, warm  # noqa: PLC0415
     from trainer.units import KNOT  # noqa: PLC0415
 
     file = load_vessel(options.vessel)
     sea = load_sea(options.sea or "calm")
     boat = Boat(file, choose_method(file, options))
+    warm(boat)
     if not options.unsafe_step:
         refuse_unstable(boat)
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0, options.seed)

@@ -1,8 +1,7 @@
 """The analyst's programs: experiments designed, ships identified, lanes made into tracks."""
 
-import contextlib
 import sys
-from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,6 +18,9 @@ if TYPE_CHECKING:
 MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 CHANNELS: Final = ("sway", "yaw_rate", "heading")
 RECORD: Final = File(".toml", ".trainer", ".csv")
+SYSTEM: Final = File(".toml", ".py")
+TURNS: Final = File(".toml", ".csv")
+FITS: Final = "the kernels of fits, once (up to a minute)"
 POSITIVE: Final = Number(0.0, 1e6, min_open=True)
 
 
@@ -122,6 +124,36 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
 
 
 @click.command()
+@click.argument("vessel", type=VESSEL)
+@click.option("--speed", "speeds", type=AHEAD, multiple=True, metavar="KN", help="May be repeated.")
+@outputs
+def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
+    """Show gains, lever arms, and the spiral of a boat or a Nomoto ship.
+
+    VESSEL is a name, or the path of a vessel file or a Nomoto file.
+
+    \b
+    Example:  trainer steering bb2 --speed 5 --speed 10
+              trainer steering ship.toml --plot spiral.png
+
+    The speed is the vessel's own unless it is given; that of a Nomoto ship is in its file.
+    """
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.identify.nomoto import is_nomoto  # noqa: PLC0415
+    from trainer.identify.pages import steering as page  # noqa: PLC0415
+
+    path = Path(vessel)
+    if path.suffix == ".toml" and is_nomoto(path):
+        if speeds:
+            raise click.UsageError(f"{vessel} is a Nomoto ship: --speed is for boats")
+        report = page.of_nomoto(path)
+    else:
+        file = load_vessel(vessel)
+        report = page.of_vessel(file, speeds or (file.run.start_speed_kn,))
+    show(report, page.render, lambda: page.panels(report), options)
+
+
+@click.command()
 @click.argument("file", type=TOML)
 @click.option("--smooth", is_flag=True, help="Smooth the track by Spencer's 15 points first.")
 @click.option("--csv", type=CSV, default=None, metavar="FILE", help="Write the track as a record.")
@@ -176,6 +208,14 @@ model_options = together(
         help="Minimiser. [default: scoring, by BFGS where it gets no further]",
     ),
     click.option("--exact", is_flag=True, help="Add no sensor noise to a recording's exact state."),
+    click.option("--system", type=SYSTEM, default=None, help="Your own: matrices, or a program."),
+    click.option(
+        "--reject",
+        type=Number(0.0, 0.5, min_open=True),
+        default=None,
+        metavar="P",
+        help="Leave samples out that are less probable.",
+    ),
     click.option("--every", type=click.IntRange(1, 1000), default=None, help="Thin the record."),
     click.option("--from", "begin", type=Number(), default=None, help="First second."),
     click.option("--to", "end", type=Number(), default=None, help="Last second."),
@@ -200,15 +240,22 @@ of_ships = together(
 
 
 @click.command(cls=Deeper)
-@click.argument("files", type=RECORD, nargs=-1)
+@click.argument("files", type=RECORD, nargs=-1, metavar="FILE [RECORD]...")
 @model_options
 @of_ships
+@click.option("--simulate", is_flag=True, help="Estimate nothing: the model as it starts.")
+@click.option("--data-only", is_flag=True, help="Show and plot the record alone.")
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
 @click.option("--most", type=click.IntRange(1, 10), default=None, help="Highest ARMAX order.")
 @click.option("--against", type=click.Choice(MODELS), help="Test it against a simpler model.")
 @click.option("--without", multiple=True, metavar="NAME", help="Test it without this parameter.")
 @click.option("--check", type=RECORD, default=None, help="Another record to predict, as a test.")
 @click.option("--kappa", type=RECORD, default=None, help="A record of large manoeuvres, for kappa.")
+@click.option("--bech", type=RECORD, default=None, help="The same, for Bech's H(r), three terms.")
+@click.option("--spiral", type=TURNS, default=None, help="Steady turns, for H(r); times not read.")
+@click.option("--joint", is_flag=True, help="K, T1, T2, T3 too from both records, with the curve.")
+@click.option("--matrices", is_flag=True, help="Show the system and covariance matrices.")
+@click.option("--csv", type=CSV, default=None, metavar="FILE", help="Write it sample by sample.")
 @click.option("--checkpoint", type=FILE, default=None, help="Keep the search in this file.")
 @click.option("--write-nomoto", type=TOML, default=None, help="Write the ship in few numbers.")
 @click.option("--write-vessel", type=TOML, default=None, help="Write the vessel file changed.")
@@ -231,9 +278,10 @@ def identify(
 ) -> None:
     """Identify a ship from a record of helm and motion (LISPID).
 
-    FILES is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it.
-    `trainer identify new RECORD` writes a study of any CSV file. Models linear, mavmm, abkowitz
-    and mmg take CSV files of one ship, as many as there are.
+    FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it. Further
+    records are of the same ship, and are fitted together with the first.
+    `trainer identify new RECORD` writes a study of any CSV file. The models linear, mavmm, abkowitz
+    and mmg are of ships that are not linear, and read CSV files.
 
     \b
     Example:  trainer identify --example
@@ -257,11 +305,11 @@ def identify(
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
     if options["model"] in ships.MODELS:
         sys.exit(ships.identify(files, options))
-    if len(files) > 1:
-        raise click.UsageError(f"one record at a time, but for --model {', '.join(ships.MODELS)}")
     from trainer.identify.options import study_of  # noqa: PLC0415
 
-    study = study_of(files[0], options)
+    study = study_of(files[0], {**options, "further": files[1:]})
+    if options["data_only"]:
+        sys.exit(_data(study, options))
     if options["armax"]:
         sys.exit(_armax(study, options))
     sys.exit(_model(study, options))
@@ -314,17 +362,13 @@ def _example(files: tuple[Path, ...], folder: str) -> Path:
     return place / study.name
 
 
-@contextlib.contextmanager
-def _announcing() -> Iterator[None]:
-    """Say that the kernels of a fit are compiled in the block, where they have not been before."""
-    from trainer.boat import compilation  # noqa: PLC0415
+def _data(study: Any, options: dict[str, Any]) -> int:
+    """Show a record alone; return the exit code."""
+    from trainer.identify.pages import record as page  # noqa: PLC0415
 
-    compiled = compilation.mark("fits", "identify/kernels")
-    if not compiled.exists() and not compilation.is_interpreted():
-        click.echo("compiling the kernels of fits, once (up to a minute) ...", err=True)
-    yield
-    with contextlib.suppress(OSError):
-        compiled.touch()
+    report, screens = page.carry_out(study)
+    show(report, page.render, lambda: screens, options)
+    return 0
 
 
 def _armax(study: Any, options: dict[str, Any]) -> int:
@@ -333,27 +377,28 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
 
     report, orders = page.carry_out(study)
     if options["html"]:
-        from trainer.identify.pages.sheet import sheet  # noqa: PLC0415
+        from trainer.identify.pages.identify import sheet  # noqa: PLC0415
 
-        text = sheet(report.study, page.render(report), page.panels(report, orders), report)
+        text = sheet(report.study, page.render(report), page.screens(orders), report)
         _write(options["html"], text)
-    show(report, page.render, lambda: page.panels(report, orders), options)
+    show(report, page.render, lambda: page.screens(orders), options)
     return 0
 
 
 def fit_ship(study: Any, options: dict[str, Any]) -> "Identified":
     """Return a ship model fitted and what there is to say of it. ConfigError if it cannot be."""
+    from trainer.boat import compilation  # noqa: PLC0415
     from trainer.identify.pages import identify as page  # noqa: PLC0415
 
-    with _announcing():
+    tell = partial(click.echo, err=True)
+    with compilation.announced(FITS, tell, "fits", "identify/kernels"):
         return page.carry_out(study, options, _progress)
 
 
 def _model(study: Any, options: dict[str, Any]) -> int:
     """Fit a ship model and show it; return the exit code."""
-    from trainer.identify.outcome import nomoto_text, vessel_text  # noqa: PLC0415
+    from trainer.identify.outcome import nomoto_text, vessel_text, write_series  # noqa: PLC0415
     from trainer.identify.pages import identify as page  # noqa: PLC0415
-    from trainer.identify.pages.sheet import sheet  # noqa: PLC0415
 
     found = fit_ship(study, options)
     report = found.report
@@ -361,10 +406,12 @@ def _model(study: Any, options: dict[str, Any]) -> int:
         _write(options["write_nomoto"], nomoto_text(found.fitted, report.bend))
     if options["write_vessel"]:
         _write(options["write_vessel"], vessel_text(found.fitted))
+    if options["csv"]:
+        write_series(found.fitted, options["csv"])
     if options["html"]:
-        text = sheet(report.study, page.render(report), page.panels(found), report)
+        text = page.sheet(report.study, page.render(report), page.screens(found), report)
         _write(options["html"], text)
-    show(report, page.render, lambda: page.panels(found), options)
+    show(report, page.render, lambda: page.screens(found), options)
     return 0 if report.converged else 1
 
 

@@ -16,6 +16,7 @@ MODELS: Final = ("linear", "mavmm", "abkowitz", "mmg")
 FOR_OTHERS: Final = (  # options that these models do not know
     *("vessel", "length", "knots", "channels", "noise", "method", "exact", "armax", "most"),
     *("against", "check", "kappa", "checkpoint", "write_nomoto", "write_vessel", "html"),
+    *("simulate", "data_only", "bech", "spiral", "joint", "matrices", "csv", "system", "reject"),
 )
 
 

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
+from trainer.io.orders.sentences import Sentence
+
 KEPT: Final = 1000
 MOMENT: Final = 5.0  # [s]
 FIGURES: Final = re.compile(r" [\d.]+")  # what differs between presses
@@ -40,6 +42,31 @@ class Entry(NamedTuple):
     seconds: float | None  # None: at no time of the boat's
     kind: str
     text: str
+
+
+class Kept(NamedTuple):
+    """Something on the time line."""
+
+    seconds: float
+    sign: str
+    text: str
+
+
+def plan_of(subject: str) -> list[Kept]:
+    """Return an order that is ahead; none where its time is not known."""
+    _, when, text = (*subject.split(",", 2), "", "")[:3]
+    try:
+        seconds = float(when)
+    except ValueError:
+        return []
+    sign = "c" if text.startswith("casualty ") else "o"
+    return [Kept(seconds, sign, text)] if math.isfinite(seconds) else []
+
+
+def entry_of(event: Sentence) -> Entry:
+    """Return something that happened as the log has it."""
+    _, seconds, kind, text = event.fields
+    return Entry(float(seconds), kind, text)
 
 
 @dataclass

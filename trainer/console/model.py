@@ -10,7 +10,7 @@ from typing import Final, NamedTuple, Protocol
 
 from trainer.console.client import Barred, Greeting, Item, Joined, Lost
 from trainer.console.crew import CrewOrders
-from trainer.console.journal import Entry, Journal, Sample, Trace
+from trainer.console.journal import Journal, Kept, Sample, Trace, entry_of, plan_of
 from trainer.console.past import EVENTS, LATE, Past
 from trainer.console.readings import ChannelReadings, Reading
 from trainer.io.orders.grammar import Order, parse
@@ -24,12 +24,6 @@ TRACKED: Final = 2.0  # [s] between them
 AWAITED: Final = 60.0  # [s] for the next exercise to be there
 MAKING_READY: Final = "the next exercise is being made ready"
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
-
-
-def entry_of(event: Sentence) -> Entry:
-    """Return something that happened as the log has it."""
-    _, seconds, kind, text = event.fields
-    return Entry(float(seconds), kind, text)
 
 
 def marks_in_words(fields: str) -> str:
@@ -64,14 +58,6 @@ class Broken(NamedTuple):
     name: str
     degree: str
     says: str
-
-
-class Kept(NamedTuple):
-    """Something on the time line."""
-
-    seconds: float
-    sign: str
-    text: str
 
 
 class Talk(Protocol):
@@ -115,6 +101,7 @@ class SessionModel:
     casualties: list[Broken] = field(default_factory=list)
     snapshots: list[Kept] = field(default_factory=list)
     marks: list[Kept] = field(default_factory=list)
+    plans: list[Kept] = field(default_factory=list)  # orders that are to come at a time
     furthest: float = 0.0  # [s] that time has reached on this branch
     refused: int = 0  # orders of this screen
     crew: CrewOrders = field(default_factory=CrewOrders)
@@ -375,13 +362,22 @@ class SessionModel:
             self._order_crew(seconds, what, subject)
         elif what in ("exercise", "exercise-over", "marks"):
             self._brief(seconds, what, subject)
-        elif what == "range":
+        else:
+            self._list(seconds, what, subject)
+
+    def _list(self, seconds: float, what: str, subject: str) -> None:
+        """Take an entry of a list: ranges, snapshots, casualties on offer, plans."""
+        if what == "range":
             self._know(subject)
         elif what == "snapshot":
             self._snapshots.append(Kept(seconds, "S", subject))
         elif what == "casualty":
             name, degree, says = (*subject.split(",", 2), "", "")[:3]
             self._casualties.append(Broken(name, degree, says))
+        elif what == "plans":  # the whole list comes anew
+            self.plans.clear()
+        elif what == "planned":
+            self.plans += plan_of(subject)
 
     def _know(self, told: str) -> None:
         """Keep a range of the vessel: "rudder=30", "bell=ahead full:12" as "ahead full"."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.console.choice import NOTHING, Done
-from trainer.console.drawing.event_log import moments, time_at, time_line
-from trainer.console.journal import clock
-from trainer.console.model import Kept, SessionModel
+from trainer.console.drawing.event_log import end_of, moments, time_at, time_line
+from trainer.console.journal import Kept, clock
+from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, fit, line
 
 STEPS: Final = {"left": 5.0, "right": -5.0, "shift+left": 60.0, "shift+right": -60.0}  # [s]
@@ -108,6 +108,6 @@ class Moments:
 
     def _pointer(self, width: int) -> tuple[tuple[str, str], ...]:
         """Return an arrow under the place on the time line."""
-        end = max(self.model.picture.seconds, self.model.furthest, 1.0)
+        end = end_of(self.model)
         room = width - 7 - 10
         return line((" " * (7 + round(self.there / end * max(room - 1, 0))) + "▲", "value"))

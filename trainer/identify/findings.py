@@ -59,6 +59,26 @@ def examine(record: Record, ship: Ship | None = None) -> list[Finding]:
     return [*found, *_spikes(record), *_swing(record), *(_sizes(record, ship) if ship else ())]
 
 
+def examine_columns(record: Record) -> list[Finding]:
+    """Return what may mislead in the columns of a user's own system; ConfigError if unusable."""
+    problems, found = [], [*record.told, *_intervals(record)]
+    for name, values in record.plain.items():
+        missing = np.isnan(values)
+        count, acts = int(np.count_nonzero(missing)), name in record.driving
+        if count == len(values) or (count and acts):
+            row = record.row(int(np.argmax(missing)))
+            what = "an input must be known at each row; it is empty" if acts else "has no value"
+            problems.append(f"{record.source}: {Finding(name, row, what)}")
+        elif count:
+            text = f"{count} of {len(values)} values are missing, the first here"
+            found.append(Finding(name, record.row(int(np.argmax(missing))), text))
+        elif np.ptp(values) == 0.0:
+            found.append(Finding(name, 0, f"is {values[0]:g} in all rows"))
+    if problems:
+        raise ConfigError(*problems)
+    return found
+
+
 def unwrap_heading(record: Record) -> Record:
     """Return the record with a heading that does not jump by whole turns."""
     if record.heading is None:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -32,6 +32,7 @@ OWN: Final = {  # columns of the trainer, SI and radians
     "sway": "v",
     "speed": "u",
 }
+PLAIN: Final = "-"  # unit of a column that is taken as it stands
 
 
 @dataclass(frozen=True)
@@ -71,19 +72,21 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
     if len(rows) < 2:
         raise ConfigError(f"{path}: has {len(rows)} rows of numbers; needs 2 or more")
     times = taken.pop("t", np.arange(len(rows), dtype=float))
+    plain = {name: taken.pop(name) for name, one in columns.items() if one.unit == PLAIN}
     record = Record(
         source=str(path),
         t=times,
         rows=np.array(rows),
         names={channel: column.name for channel, column in columns.items()},
         told=tuple(Finding(path.name, 0, text) for text in told),
+        plain=plain,
         **taken,
     )
-    _check_times(record)
+    check_times(record)
     return record
 
 
-Taken = tuple[Sequence[int], dict[str, Numbers], list[str]]  # rows, channels in SI, what to tell
+Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
 
 
 def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
@@ -110,6 +113,8 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
 def _take(table: Table, channel: str, column: Column, told: list[str]) -> Numbers:
     """Return a channel in SI; ConfigError if it has no unit, or a cell is no number."""
     place = table.place(column.name)
+    if column.unit == PLAIN:
+        return table.numbers(place)
     if channel == "t" and table.is_clock(place):
         return table.seconds(place)
     said, known = table.units[place], units_of(channel)
@@ -142,13 +147,14 @@ def _read_recording(path: Path, columns: Mapping[str, Column]) -> Taken:
                 f"{path}: no column {quote(column.name)} for {channel}"
                 f"{nearest(column.name, names)}; it has {', '.join(names)}"
             )
-        place, scale = names.index(column.name), factor(channel, column.unit or "")
+        place = names.index(column.name)
+        scale = 1.0 if column.unit == PLAIN else factor(channel, column.unit or "")
         taken[channel] = scale * np.array([row[place] for row in cells])
     return ticks, taken, []
 
 
-def _check_times(record: Record) -> None:
-    """Check that time is known and rises; ConfigError naming the first row where it does not."""
+def check_times(record: Record) -> None:
+    """Check that time is known and rises; ConfigError naming the first bad row."""
     missing = np.isnan(record.t)
     if missing.any():
         row = record.row(int(np.argmax(missing)))

@@ -1,6 +1,6 @@
 """The tables of an identification study: keys, units and limits."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.config.schema import (
@@ -20,7 +20,7 @@ from trainer.identify.measurements import CHANNELS, OUTPUTS, PLACES
 from trainer.identify.sources import Sensors
 
 LONGEST: Final = 1e9  # [s]
-MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
+MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2", "own")
 NOISES: Final = ("output-error", "innovations", "covariance")
 METHODS: Final = ("scoring", "bfgs", "direct")
 YES_NO: Final = ("yes", "no")
@@ -90,7 +90,10 @@ class ModelTable:
     """The model and how it is fitted."""
 
     kind: str = of(Choice(MODELS, "model"))
-    outputs: tuple[str, ...] = of(Choices(OUTPUTS, "channels fitted"))
+    outputs: tuple[str, ...] = field(
+        default=(), metadata={"kind": Choices(OUTPUTS, "channels fitted; none for own")}
+    )
+    file: str | None = optional(Text(200, "system file, or a program, of kind own"))
     system: str | None = optional(Choice(("prime", "bis"), "of the derivatives; else prime"))
     noise: str | None = optional(Choice(NOISES, "noise model; else covariance"))
     measurement: str | None = optional(
@@ -119,6 +122,19 @@ class ParameterRow:
     start: float | None = optional(Quantity("-", within(-1e12, 1e12), "else the model's own"))
     free: str | None = optional(Choice(YES_NO, "estimated? else as the model has it"))
     scale: float | None = optional(Quantity("-", above(0, 1e12), "size of a unit step; else own"))
+    per_run: str | None = optional(
+        Choice(YES_NO, "does each run have its own? else the first state and steady forces have")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunRow:
+    """A further record of the same ship, fitted together with the first."""
+
+    data: str = of(Text(200, "CSV file or recording of the same columns"))
+    from_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "first time used"))
+    to_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "last time used"))
+    speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the ship's"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,11 +150,13 @@ class ArmaxTable:
 
 
 COLUMNS: Final = Rows(ColumnRow, ("note",), 0, len(CHANNELS) + 3, "columns, below")
+RUNS: Final = Rows(RunRow, ("note",), 0, 50, "further records, below")
 PARAMETERS: Final = Rows(ParameterRow, ("note",), 0, 60, "parameters, below")
 
 RECORDS: Final = {
     "": Heading,
     "[columns]": ColumnRow,
+    "[runs]": RunRow,
     "ship": Ship,
     "sensors": Sensors,
     "track": Track,

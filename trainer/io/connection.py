@@ -54,6 +54,7 @@ class Connection:
         self._heard: deque[str | Overlong] = deque()
         self._said: deque[bytes] = deque()
         self._said_bytes = 0
+        self._asks = False  # something was taken, and nothing said since
         self._over = False  # no more input
         self._gone = False  # no more output either
         self._leave_at = math.inf  # [s]  when it is closed, all sent or not
@@ -84,12 +85,17 @@ class Connection:
         with self._lock:
             held_back = len(self._heard) >= MOST_HEARD
             lines = [self._heard.popleft() for _ in range(min(most, len(self._heard)))]
+            self._asks = self._asks or bool(lines)
         if held_back:
             self._stir()
         return lines
 
     def send(self, line: str) -> None:
-        """Queue one line, or drop and count it when the client is slow or gone."""
+        """Queue one line, or drop and count it when the client is slow or gone.
+
+        The first after something was taken is most likely the answer, and does not wait for the
+        hub, which has all others to write to.
+        """
         data = line_bytes(line) + b"\r\n"
         with self._lock:
             full = len(self._said) >= MOST_SAID or self._said_bytes + len(data) > MOST_BYTES
@@ -97,9 +103,13 @@ class Connection:
                 self.dropped += 1
                 return
             quiet = not self._said
-            self._said.append(data)
-            self._said_bytes += len(data)
-        if quiet:
+            if quiet and self._asks:
+                data = data[self._send_now(data) :]
+            self._asks = False
+            if data:
+                self._said.append(data)
+                self._said_bytes += len(data)
+        if quiet and data:
             self._stir()
 
     def close(self, patience: float) -> None:
@@ -162,6 +172,13 @@ class Connection:
     def _rested(self) -> float:
         """Return when [s] it is read again at the earliest."""
         return self._read_until - BURST / PACE
+
+    def _send_now(self, data: bytes) -> int:
+        """Return how much goes out without waiting. The lock is held, and nothing is queued."""
+        try:
+            return self._end.send(data)
+        except OSError:
+            return 0  # the hub finds out why
 
     def _read(self) -> None:
         data = self._end.recv(CHUNK)

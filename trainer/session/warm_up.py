@@ -1,7 +1,8 @@
 """A boat is made ready for sea. It is compiled before the clock starts, at a stable step."""
 
-import contextlib
 import gc
+from functools import partial
+from typing import Final
 
 import click
 
@@ -15,16 +16,13 @@ from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
+BOAT: Final = "the boat, this once (some 20 seconds)"
+
 
 def warm(boat: Boat) -> None:
     """Try the boat out, compiling it if need be: nothing compiles once the clock runs."""
-    compiling = compilation.is_needed()
-    if compiling:
-        click.echo("compiling the boat, this once (some 20 seconds) ...", err=True)
-    with compilation.interruptible() if compiling else contextlib.nullcontext():
+    with compilation.announced(BOAT, partial(click.echo, err=True)):
         try_out(boat)
-    if compiling:
-        compilation.keep()
 
 
 def set_garbage_aside() -> None:

@@ -1,8 +1,8 @@
 """The log of what was said and done, the line of time, and the ledger."""
 
 from trainer.console.drawing.values import number, without
-from trainer.console.journal import clock, wrap_entry
-from trainer.console.model import Kept, SessionModel
+from trainer.console.journal import Kept, clock, wrap_entry
+from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, line
 
 LEAST = 24  # [columns] of a time line
@@ -25,9 +25,8 @@ def log(model: SessionModel, width: int, height: int) -> Lines:
 
 
 def time_line(model: SessionModel, width: int, _height: int) -> Lines:
-    """Return the run in one line: signs for moments, a bar for the present."""
-    now = model.picture.seconds
-    end = max(now, model.furthest, 1.0)
+    """Return the run in one line: moments, plans, a bar for the present."""
+    now, end = model.picture.seconds, end_of(model)
     left = line((" 00:00 ", "dim"))
     right = line((f" {clock(end)} ", "dim"))
     room = width - sum(len(text) for text, _ in (*left, *right))
@@ -38,10 +37,16 @@ def time_line(model: SessionModel, width: int, _height: int) -> Lines:
 
 def time_at(model: SessionModel, width: int, column: int) -> float:
     """Return the time [s] at a column of the line of time."""
-    end = max(model.picture.seconds, model.furthest, 1.0)
-    left, right = len(" 00:00 "), len(f" {clock(end)} ")
+    end = end_of(model)
+    left, right = len(" 00:00 "), 10
     share = (column - left) / max(width - left - right - 1, 1)
     return min(max(share, 0.0), 1.0) * end
+
+
+def end_of(model: SessionModel) -> float:
+    """Return how long the line of time is [s]: flown, and planned."""
+    ahead = (each.seconds for each in model.plans)
+    return max(model.picture.seconds, model.furthest, 1.0, *ahead)
 
 
 def moments(model: SessionModel) -> list[Kept]:
@@ -55,13 +60,13 @@ def scale(model: SessionModel, now: float, end: float, room: int) -> tuple[Run, 
     def column(seconds: float) -> int:
         return min(max(round(seconds / end * (room - 1)), 0), room - 1)
 
-    signs = ["━" if place <= column(now) else "╌" for place in range(room)]
+    signs: list[Run] = [("━" if at <= column(now) else "╌", "dim") for at in range(room)]
+    for each in model.plans:
+        signs[column(each.seconds)] = (each.sign, "ordered")
     for kept in moments(model):
-        signs[column(kept.seconds)] = kept.sign
-    signs[column(now)] = "┃"
-    return tuple(
-        (sign, "value" if sign == "┃" else "warning" if sign.isalpha() else "dim") for sign in signs
-    )
+        signs[column(kept.seconds)] = (kept.sign, "warning")
+    signs[column(now)] = ("┃", "value")
+    return tuple(signs)
 
 
 def ledger(model: SessionModel, width: int, height: int) -> Lines:

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.analysis.report.plots import Panel
+from trainer.analysis.report.plots import Screen
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.files import ConfigError
 from trainer.identify.armax_orders import (
@@ -18,7 +18,7 @@ from trainer.identify.armax_orders import (
 )
 from trainer.identify.measurements import check_count, samples_of
 from trainer.identify.models import UNITS
-from trainer.identify.pages.identify import correlation_panels, residual_table
+from trainer.identify.pages.identify import correlation_panels, residual_table, screens_of
 from trainer.identify.residuals import Residuals, verdicts
 from trainer.identify.study import Study, observe
 
@@ -236,7 +236,6 @@ def _roots(roots: tuple[tuple[float, float], ...]) -> str:
     return ", ".join(texts) or "none"
 
 
-def panels(report: Report, orders: Orders) -> tuple[Panel, ...]:
+def screens(orders: Orders) -> tuple[Screen, ...]:
     """Return the correlations of the residuals of the order of least AIC."""
-    del report
-    return correlation_panels((orders.by_aic.residuals,))
+    return screens_of({"Correlations": correlation_panels((orders.by_aic.residuals,))})

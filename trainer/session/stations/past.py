@@ -26,6 +26,7 @@ from trainer.session.time.ledger import Ledger
 ROWS: Final = 360  # of a channel at most: one in ten seconds of an hour
 SLICE: Final = 12  # of them at once
 PAUSE: Final = 0.01  # [s] between slices: ticks and other lines have their turn
+ANEW: Final = ("reset", "restart", "again")  # orders after which nothing of their moment stands
 PRESENT: Final = ("time", "ledger")  # channels about the session itself, which no state holds
 
 Found = tuple[int, bytes]  # a tick and the state at its end
@@ -168,7 +169,16 @@ def lately(news: Iterable[News], role: Role, span: Span) -> list[News]:
     told: list[News] = []
     for each in news:
         if each.fact and each.fact.what == "back":
-            told = [kept for kept in told if kept.tick <= each.tick]
+            told = [kept for kept in told if stands(kept, each)]
         if hears(role, each.kind) and each.tick >= span.first:
             told.append(each)
     return told
+
+
+def stands(kept: News, back: News) -> bool:
+    """Return whether something that happened is not taken back by a jump in time.
+
+    At the very moment gone back to, what was ordered before stands, but not at a new start.
+    """
+    anew = back.fact is not None and back.fact.subject in ANEW
+    return kept.tick < back.tick or (kept.tick == back.tick and not (anew and kept.fact))

@@ -3,13 +3,13 @@ import { partAt, shared, way } from "./branches.js";
 import { CrewOrders } from "./crew.js";
 import { History } from "./history.js";
 import { Readings, numbers } from "./readings.js";
-import { entryOf, marksOf, plainly, planOf } from "./told.js";
+import { entryOf, laidIn, marksOf, plainly, planOf, signOf } from "./told.js";
 import { Vessel } from "./vessel.js";
 
-const LATE = 15; // [s] of the boat's time that a page may have missed and need not ask for
+const LATE = 15; // [s] of what instruments showed that a page may have missed and need not ask for
 const STALE = 2000; // [ms] without a tick, while time runs, after which readings are old
 const LINES = ["line", "wins", "lost"]; // keys of an exercise that come again and again
-const OF_TIME = /^(freeze|run|step|time|replay|take|quit|in|at|when|cancel)\b/; // orders that are no sign on the line
+const ANEW = ["reset", "restart", "again"]; // orders after which nothing of their moment stands
 const MOST = 500; // entries of the log
 const WATCH = 250; // [ms] between looks at whether readings have become old
 
@@ -257,9 +257,10 @@ export class Session extends EventTarget {
   catchUp(seconds) {
     if (this.caughtUp) return;
     this.caughtUp = true;
+    void this.ask("history events 60 min");
     const seen = this.history.of(this.channels[0]).times.at(-2) ?? 0;
     if (seconds - seen < LATE) return;
-    for (const channel of [...this.channels, "events"]) {
+    for (const channel of this.channels) {
       if (channel !== "time") void this.ask(`history ${channel} 60 min`);
     }
   }
@@ -273,10 +274,8 @@ export class Session extends EventTarget {
     }
     this.past.delete(channel);
     if (channel === "events") {
-      const first = this.log[0]?.seconds ?? Infinity;
-      this.log.unshift(...this.earlier.filter((entry) => entry.seconds <= first));
-      for (const entry of this.earlier) this.hearMarks(entry);
-      this.earlier = [];
+      this.log = laidIn(this.log, this.earlier);
+      for (const entry of this.earlier.splice(0)) this.hearMarks(entry);
       this.tell("log");
     } else {
       this.history.recall(channel, this.recalled.get(channel) ?? []);
@@ -322,9 +321,11 @@ export class Session extends EventTarget {
 
   /** @param {number} seconds @param {string} what @param {string} subject */
   fact(seconds, what, subject) {
-    if (!this.past.has("events")) {
-      this.dispatchEvent(new CustomEvent("fact", { detail: { seconds, what, subject } }));
+    if (this.past.has("events")) {
+      this.sign(seconds, what, subject); // all else was told when this page came
+      return;
     }
+    this.dispatchEvent(new CustomEvent("fact", { detail: { seconds, what, subject } }));
     if (CrewOrders.takes(what)) {
       this.crew.take(seconds, what, subject);
       this.tell("crew");
@@ -339,18 +340,20 @@ export class Session extends EventTarget {
   /** @param {number} seconds @param {string} what @param {string} subject */
   mark(seconds, what, subject) {
     if (what === "back") this.goBack(seconds, subject);
-    else if (what === "mark") this.keep(seconds, "M", subject || "marked");
-    else if (what === "snapshot") this.keep(seconds, "S", subject);
-    else if (what === "order" && subject.startsWith("casualty ")) this.keep(seconds, "C", subject);
     else if (what === "order" && subject.startsWith("replay ")) this.setAside(seconds);
-    else if (what === "order" && subject.startsWith("clear ")) this.keep(seconds, "c", subject);
     else if (what === "order" && subject.startsWith("snapshot ")) void this.ask("snapshots");
-    else if (what === "order" && !OF_TIME.test(subject)) this.keep(seconds, "o", subject);
     else if (what === "branch") this.branch(subject);
     else if (what === "casualty") this.offer(subject);
     else if (what === "marks") this.judge(subject);
     else if (what === "plans" || what === "planned") this.plan(what, subject);
     else if (what === "over") this.over = true;
+    else this.sign(seconds, what, subject);
+  }
+
+  /** Keeps what leaves a sign on the time line. @param {number} seconds @param {string} what @param {string} subject */
+  sign(seconds, what, subject) {
+    const sign = signOf(what, subject);
+    if (sign) this.keep(seconds, sign, subject || "marked");
   }
 
   /** @param {number} seconds @param {string} sign @param {string} text */
@@ -363,8 +366,7 @@ export class Session extends EventTarget {
   /** @param {string} subject number, parent, begun, last, why */
   branch(subject) {
     const [number, parent, begun, last, ...why] = subject.split(",");
-    const whole = [number, parent, begun, last].map(Number);
-    const [id, from, since, until] = whole;
+    const [id, from, since, until] = [number, parent, begun, last].map(Number);
     this.branches.set(id, { number: id, parent: from, begun: since, last: until, why: why.join(",") });
     this.tell("line");
   }
@@ -463,7 +465,8 @@ export class Session extends EventTarget {
     const branch = Number(/^branch (\d+)$/.exec(order)?.[1] ?? 0);
     const from = branch ? shared(this.branches, branch, this.present) : seconds;
     this.setAside(from);
-    this.kept = this.kept.filter((each) => each.seconds <= from);
+    const last = ANEW.includes(order) ? from - 0.001 : from;
+    this.kept = this.kept.filter((each) => each.seconds <= last);
     if (branch) this.takeUp(branch, from);
     this.crew.goBack(seconds);
     for (const [number, alert] of this.alerts) {

@@ -1,5 +1,8 @@
 // What the session tells, taken apart: what happened, an order that is ahead, the marks.
 
+const OF_TIME = /^(freeze|run|step|time|replay|take|quit|in|at|when|cancel|snapshots?)\b/; // no signs
+const NEAR = 1; // [s] between a page's clock and the session's, when the page notes what it has done
+
 /**
  * @typedef {{ number: string, seconds: number, when: string, text: string }} Plan an order that is ahead:
  *   its time [s], NaN where it waits for a condition; the number is "" where it is the exercise's own
@@ -9,6 +12,15 @@
 export function planOf(subject) {
   const [number, when, ...text] = subject.split(",");
   return { number, seconds: Number(when), when, text: text.join(",") };
+}
+
+/** Returns the letter of a fact on the time line, "" for none. @param {string} what @param {string} subject */
+export function signOf(what, subject) {
+  if (what === "mark") return "M";
+  if (what === "snapshot") return "S";
+  if (what !== "order" || OF_TIME.test(subject)) return "";
+  if (subject.startsWith("casualty ")) return "C";
+  return subject.startsWith("clear ") ? "c" : "o";
 }
 
 /** Returns marks as they are told in words. @param {string} subject outcome and total */
@@ -26,4 +38,32 @@ export function entryOf([, seconds, kind, text]) {
 /** Returns what is told as people say it: its time stands beside it. @param {string} text */
 export function plainly(text) {
   return text.replace(/^tick \d+ \([\d.]+ s\): /, "").replace(/^LIMIT: /, "Limit passed: ");
+}
+
+/**
+ * Returns a log with what was told before this page came. Some of it is there: what came while it
+ * was asked for, and what this page has done itself, by its own clock.
+ * @param {import("./session.js").Entry[]} log
+ * @param {import("./session.js").Entry[]} earlier
+ */
+export function laidIn(log, earlier) {
+  const whole = [...log];
+  let place = whole.length;
+  for (const entry of earlier.toReversed()) {
+    const before = whole.slice(0, place);
+    const there = before.findLastIndex((each) => same(each, entry));
+    place = there >= 0 ? there : before.findLastIndex((each) => each.seconds <= entry.seconds) + 1;
+    if (there < 0) whole.splice(place, 0, entry);
+  }
+  return whole;
+}
+
+/** @param {import("./session.js").Entry} one @param {import("./session.js").Entry} other */
+function same(one, other) {
+  return Math.abs(one.seconds - other.seconds) <= NEAR && said(one.text) === said(other.text);
+}
+
+/** Returns a text without the line of who has said it. @param {string} text */
+function said(text) {
+  return text.replace(/^(mark by \w+|\w+) at .+?: /, "$1: ");
 }

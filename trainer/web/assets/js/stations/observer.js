@@ -29,9 +29,9 @@ const form = /** @type {HTMLFormElement} */ (one("#mark"));
 form.onsubmit = async (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
   const field = /** @type {HTMLInputElement} */ (one("input", form));
-  const words = `mark ${plain(field.value)}`.trim();
-  if (!(await give(words))) return;
-  session.note("mark", words); // the session tells it to all but this line
+  const remark = plain(field.value);
+  if (!(await give(`mark ${remark}`.trim()))) return;
+  session.note("mark", `mark by observer: ${remark}`); // the session tells it to all but this line
   field.value = "";
 };
 

@@ -67,7 +67,7 @@ function drawWords(/** @type {string} */ name, /** @type {Form} */ form) {
     : { x: middle, y: y + height + form.names, class: "name" };
   const worth = main
     ? { x: x + width - pad, y: half, class: "value end" }
-    : { x: middle, y: half, class: "value" };
+    : { x: middle, y: half, class: "value tight" };
   return svg(
     "g",
     { class: "words", "aria-hidden": "true", "data-part": `${name} words` },
@@ -108,7 +108,7 @@ function drawSea(name, form) {
     {},
     svg("path", { d: `M${middle} ${start}V${form.keel}`, class: "pipe" }),
     name === "negative"
-      ? drawValve("negative_flood", middle, form.trim, form)
+      ? drawValve("negative_flood", middle, form.trim, form, 15) // not on the trim pipe
       : svg("circle", { cx: middle, cy: form.trim, r: form.short ? 7 : 11, class: "pump" }),
   );
 }
@@ -128,8 +128,14 @@ function drawTrim(form) {
   );
 }
 
-/** @param {string} name @param {number} x @param {number} y @param {Form} form */
-function drawValve(name, x, y, form) {
+/**
+ * @param {string} name
+ * @param {number} x
+ * @param {number} y
+ * @param {Form} form
+ * @param {number} [below] how far below the valve its word stands
+ */
+function drawValve(name, x, y, form, below = 0) {
   const place = `translate(${x} ${y}) scale(${form.short ? 0.75 : 1})`;
   return svg(
     "g",
@@ -140,7 +146,7 @@ function drawValve(name, x, y, form) {
       svg("path", { d: "M-8 -10H8L-8 10H8Z", class: "body" }),
       svg("path", { d: "M-11 0H11", class: "lever" }),
     ),
-    !form.short && svg("text", { x: x + 15, y, class: "word", "data-part": `${name} word` }),
+    !form.short && svg("text", { x: x + 15, y: y + below, class: "word", "data-part": `${name} word` }),
   );
 }
 
@@ -161,10 +167,15 @@ function drawBank(name, form) {
   );
 }
 
-/** @param {string} name @param {Form} form */
-function drawDry(name, form) {
+/** Draws a compartment where no water belongs; a short form has its word below the boat. */
+function drawDry(/** @type {string} */ name, /** @type {Form} */ form) {
   const [x, y, width, height] = form.dry[name];
-  const word = { x: x + width / 2, y: y + (form.short ? 5 : 9), class: "word middle" };
+  const place = form.short ? Object.keys(form.dry).indexOf(name) : 1;
+  const word = {
+    x: x + (width * place) / 2,
+    y: form.short ? form.size[1] - 9 : y + 9,
+    class: `word ${["start", "middle", "end"][place]}`,
+  };
   return svg(
     "g",
     { class: "flooded", "data-part": name, hidden: true },

@@ -66,7 +66,7 @@ export const WIDE = {
 
 /** @type {Form} for a panel of a page, and for phones */
 export const NARROW = {
-  size: [440, 240],
+  size: [440, 256],
   tanks: {
     aft: [46, 64, 102, 36],
     mid: [154, 64, 102, 36],

@@ -4,6 +4,7 @@ import { chevron, drawTanks, sideways } from "./drawing.js";
 import { BANKS, BLOWN, MAIN, MOVED, NARROW, TITLES, WIDE } from "./places.js";
 
 const ROOM = 900; // [px] from which on the wide form is drawn
+const FLAT = 2.6; // [-] width by height, above which it is the larger one
 const FLOWS = 4000; // [ms] after which a level that stands still flows no more
 const SPOKEN = 2000; // [ms] between changes of what a tank's label says
 const LOW = [5, 20]; // [%] of a bank: warning, caution
@@ -75,7 +76,8 @@ class TankMimic extends HTMLElement {
   // drawing
 
   #fit() {
-    const form = this.clientWidth >= ROOM ? WIDE : NARROW;
+    const [width, height] = [this.clientWidth, this.clientHeight];
+    const form = width >= ROOM && width >= FLAT * height ? WIDE : NARROW;
     if (form === this.#form) return;
     this.#form = form;
     this.#spoken.clear();
@@ -200,7 +202,7 @@ class TankMimic extends HTMLElement {
       const stands = String(valves[valve] ?? "");
       const open = stands !== "" && stands !== "shut";
       this.#parts.get(valve)?.setAttribute("data-open", String(open));
-      this.#write(`${valve} word`, stands);
+      this.#write(`${valve} word`, stands === "emergency" ? "emerg." : stands);
     }
     const blown = String(valves[`blow_${name}`] ?? "shut") !== "shut";
     this.#parts.get(`${name} air`)?.setAttribute("data-open", String(blown));
