@@ -16,6 +16,8 @@ from trainer.cli.types import File, Word
 from trainer.config.method import EQUATIONS
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from trainer.analysis.manoeuvres.flight import Flight
     from trainer.analysis.manoeuvres.page import Report
 
@@ -159,7 +161,7 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
 def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     """Fly a manoeuvre and measure it (CONTR).
 
-    VESSEL is a name, a vessel file, or the Nomoto file of a ship that was identified.
+    VESSEL is a name, a vessel file, or the file of a ship that was identified.
 
     \b
     Example:  trainer manoeuvre turning-circle bb2 --angle 20
@@ -175,24 +177,42 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     report, flight = fly(vessel, name, options)
     if options["csv"]:
         page.write_csv(flight, options["csv"])
-    show(report, page.render, lambda: page.panels(find_manoeuvre(name), flight), options)
+    show(report, _page_of(report), lambda: page.panels(find_manoeuvre(name), flight), options)
     sys.exit(1 if report.lost else 0)
 
 
+def _page_of(report: "Report") -> "Callable[[Any], str]":
+    """Return what renders a report, with its intervals where it has any."""
+    from trainer.analysis.manoeuvres.page import render  # noqa: PLC0415
+
+    if not hasattr(report, "intervals"):
+        return render
+    from trainer.identify.ships import vehicle  # noqa: PLC0415
+
+    return vehicle.render
+
+
 def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Flight]":
-    """Return report and flight of a boat, or of a Nomoto ship."""
+    """Return report and flight of a boat, or of a ship that was identified."""
     from trainer.analysis.manoeuvres import page  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
     from trainer.identify.nomoto import is_nomoto  # noqa: PLC0415
+    from trainer.identify.ships import ship_file  # noqa: PLC0415
 
     path = Path(vessel)
-    if path.suffix != ".toml" or not is_nomoto(path):
+    known = path.suffix == ".toml" and (is_nomoto(path), ship_file.is_ship(path))
+    if not known or not any(known):
         return page.fly_boat(load_vessel(vessel), name, options)
-    from trainer.identify.steering import steer_ship  # noqa: PLC0415
-
     unknown = [f"--{option}" for option in OF_BOATS if option in options_given()]
     if unknown:
-        raise click.UsageError(f"{vessel} is a Nomoto ship: {', '.join(unknown)} are for boats")
+        told = f"{vessel} is a ship: {', '.join(unknown)} are for boats"
+        raise click.UsageError(told.replace("a ship", "a Nomoto ship") if known[0] else told)
+    if known[1]:
+        from trainer.identify.ships.vehicle import fly_ship  # noqa: PLC0415
+
+        return fly_ship(ship_file.load_ship(path), name, options)
+    from trainer.identify.steering import steer_ship  # noqa: PLC0415
+
     ship = steer_ship(path, options["step"])
     return page.fly_vehicle(ship, name, options, ship.speed_kn)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, outputs, show
 from trainer.cli.shared_options import CSV, FILE, HTML, SEA, TOML, VESSEL, VESSEL_HELP, together
 from trainer.cli.types import Deeper, File
@@ -179,9 +180,10 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
 model_options = together(
     click.option(
         "--model",
-        type=click.Choice(MODELS),
+        type=click.Choice((*MODELS, *ships.MODELS)),
         default=None,
-        help="1 sway and yaw, 2 sway, 3 yaw, or Nomoto's. [default: the study's]",
+        help="1 sway and yaw, 2 sway, 3 yaw, Nomoto's, or with speed and --ship the last four. "
+        "[default: the study's]",
     ),
     click.option("--vessel", type=VESSEL, default=None, help=VESSEL_HELP),
     click.option("--length", type=POSITIVE, default=None, help="Of the ship, metres."),
@@ -220,9 +222,27 @@ model_options = together(
 )
 
 
+of_ships = together(
+    click.option("--ship", type=TOML, default=None, help="Dimensions, for linear to mmg."),
+    click.option(
+        "--prior-strength",
+        type=Number(0.0, 100.0),
+        default=0.5,
+        show_default=True,
+        help="Widths of what books say, times this; 0 for no book.",
+    ),
+    click.option(
+        "--predict", type=RECORD, multiple=True, help="A record held back, may be repeated."
+    ),
+    click.option("--write-ship", type=TOML, default=None, help="Write the ship; it sails."),
+    click.option("--coefficients", type=CSV, default=None, help="Write them and their covariance."),
+)
+
+
 @click.command(cls=Deeper)
 @click.argument("files", type=RECORD, nargs=-1, metavar="FILE [RECORD]...")
 @model_options
+@of_ships
 @click.option("--simulate", is_flag=True, help="Estimate nothing: the model as it starts.")
 @click.option("--data-only", is_flag=True, help="Show and plot the record alone.")
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
@@ -260,13 +280,15 @@ def identify(
 
     FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it. Further
     records are of the same ship, and are fitted together with the first.
-    `trainer identify new RECORD` writes a study of any CSV file.
+    `trainer identify new RECORD` writes a study of any CSV file. The models linear, mavmm, abkowitz
+    and mmg are of ships that are not linear, and read CSV files.
 
     \b
     Example:  trainer identify --example
               trainer identify study.toml --plot fit.png
               trainer identify trial.trainer --model 1 --vessel bb2 --write-vessel bb2-found.toml
               trainer identify trial.csv --armax --most 5
+              trainer identify zz20.csv --model mmg --ship ship.toml --predict zz10.csv
 
     Exit code 1 when the fit does not settle, or an acceptance test fails.
     """
@@ -281,6 +303,8 @@ def identify(
         files = (_example(files, example),)
     if not files:
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
+    if options["model"] in ships.MODELS:
+        sys.exit(ships.identify(files, options))
     from trainer.identify.options import study_of  # noqa: PLC0415
 
     study = study_of(files[0], {**options, "further": files[1:]})

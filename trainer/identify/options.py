@@ -98,6 +98,11 @@ def _model(study: Study, options: dict[str, Any]) -> ModelTable:
         raise ConfigError(
             f"{study.path.name}: lacks [model]: say --model 1, 2, 3, nomoto1 or nomoto2"
         )
+    if kind not in MODELS:
+        raise ConfigError(
+            f"model {kind}: is fitted by the command: trainer identify RECORD --model {kind} "
+            "--ship FILE"
+        )
     outputs = tuple(options["channels"]) or (study.model.outputs if study.model else ())
     outputs = outputs or tuple(name for name in USUAL if name in study.channels)
     kept = tuple(name for name in outputs if name in MODELS[kind].outputs)

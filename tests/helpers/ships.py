@@ -1,0 +1,145 @@
+"""Ships whose coefficients are known, and their records."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.ship_forces import ROWS, add_terms, set_terms
+from trainer.identify.ships.likelihood import Problem
+from trainer.identify.ships.models import TANKER, Model, model_of
+from trainer.identify.ships.records import Trial
+from trainer.identify.ships.ship_file import Dimensions, Records, ShipFile
+
+SHIP = ShipFile(
+    path=Path("ship.toml"),
+    name="tanker",
+    dimensions=Dimensions(
+        length_m=320.0,
+        propeller_diameter_m=9.86,
+        wake_fraction=0.4,
+        thrust=(0.33, -0.30, -0.12),
+        beam_m=58.0,
+        draught_m=20.8,
+        block_coefficient=0.81,
+        rudder_area_m2=112.5,
+        rudder_height_m=15.8,
+    ),
+    records=Records(),
+    sensors=None,
+    columns=(),
+)
+CONSTANTS = SHIP.constants
+NOISE = np.array([0.004, 0.003, 3e-5, 0.02, 0.02, 1e-4, 5e-4])
+
+# a full tanker that keeps her course
+COEFFICIENTS = {
+    **{name: mean for name, (mean, _) in TANKER.items()},
+    "X_0": -0.05,
+    "Y_0": -0.002,
+    "N_0": -0.01,
+    "N_vvv": 1.0,
+    "X_T": 37.0,
+}
+
+# of the record without random numbers, section 11
+TERMS = ("0", "T", "v", "r", "d", "ur", "vvd", "Td", *("vvv", "vvr", "vrr", "rrr"), "F", "w", "ww")
+SURGE = {"0": -0.05, "T": 37, "vv": -0.5, "vr": 1.2, "rr": 0.02, "dd": -0.1, "F": 0.08, "w": -0.001}
+SWAY = (-0.001, 0, -0.4, -0.45, -0.11, -5, -2, -2, -8, -0.4, -0.5, 0.1, -0.18, -0.002, 0)
+YAW = (-0.005, 0, -3.2, -1.2, 0.65, 20, 10, 60, 5, -12, 0.5, -0.2, 1, 0.001, 0.002)
+RUDDER = {"gamma": 0.6, "l": -0.71, "kappa": 0.5, "c_w": 0.5, "gamma_a": -0.03}
+SAMPLES = 200
+
+
+def published(name: str) -> dict[str, float]:
+    """Return the coefficients of section 11 for a model."""
+    found = {f"X_{term}": float(value) for term, value in SURGE.items()}
+    found |= {f"Y_{term}": float(x) for term, x in zip(TERMS, SWAY, strict=True)}
+    found |= {f"N_{term}": float(x) for term, x in zip(TERMS, YAW, strict=True)}
+    if name == "linear":
+        found |= {"Y_v": -0.8, "N_v": -1.0, "N_r": -1.5}
+    return found | (RUDDER if name == "mmg" else {})
+
+
+def made_record(
+    name: str, change: dict[str, float] | None = None
+) -> tuple[Problem, Numbers, Numbers]:
+    """Return the record of section 11 with a problem, its parameters, and the ship's states."""
+    values = published(name) | (change or {})
+    model = model_of(name, wind=True)
+    free = (*model.free, "gamma_a") if name == "mmg" else model.free
+    model = Model(name, model.names, free)
+    p = len(model.free)
+    nothing = np.zeros(p + 7), np.full(p + 7, math.inf)
+    trial = Trial("made", np.arange(0.0, 2.0 * SAMPLES, 2.0), _inputs(), (), windy=True)
+    problem = Problem(model, CONSTANTS, (trial,), *nothing, np.zeros(4))
+    begin = np.array([8.0, 0.0, 0.0, 0.0])
+    a = np.concatenate([[values[each] for each in model.free], np.log(NOISE), begin])
+    trial.table[:, :4] = begin  # from which the ship sails
+    states = problem.sail(a, trial)
+    trial.table[:, :4] = states + _errors()
+    trial.table[50:60, 1] = math.nan
+    trial.table[120, :4] = math.nan
+    return problem, a, states
+
+
+def _inputs() -> Numbers:
+    """Return the rows of the record, without readings."""
+    k = np.arange(SAMPLES)
+    table = np.zeros((SAMPLES, 10))
+    table[:, 4] = math.radians(15.0) * np.sin(2.0 * math.pi * k / 80.0)
+    table[:, 5], table[:, 6], table[:, 7] = 1.5, 3.0 + 0.01 * k, 2.0 - 0.02 * k
+    table[:, 8], table[:, 9] = 2.0, 1.0
+    return table
+
+
+def _errors() -> Numbers:
+    """Return errors of readings without random numbers (n, 4)."""
+    k, m = np.arange(SAMPLES)[:, None], np.arange(4)[None, :]
+    places = (k * k * (31 + 2 * m) + 7 * k + 5 * m) % 1009
+    return np.asarray(NOISE[3:] * math.sqrt(3.0) * (2.0 * places / 1009.0 - 1.0))
+
+
+def sailed_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, Numbers]:
+    """Return a zig-zag of the tanker under disturbances, read with errors, and its first state.
+
+    A negative angle [deg] goes to port first.
+    """
+    stream = np.random.default_rng(seed)
+    model = model_of("mmg", wind=False)
+    whole, T, rate = model.whole(COEFFICIENTS), 2.0, math.radians(2.32)
+    state, rudder, side = np.array([8.0, 0.0, 0.0, 0.0]), 0.0, math.copysign(1.0, angle)
+    rows = []
+    for _ in range(samples):
+        rows.append([*state, rudder, 1.5, 0.0, 0.0, T, 1.0])
+        if side * state[3] > math.radians(abs(angle)):
+            side = -side
+        wanted = side * math.radians(abs(angle))
+        then = rudder + float(np.clip(wanted - rudder, -rate * T, rate * T))
+        state = _sailed(whole, model, state, (rudder, then))
+        state[:3] += NOISE[:3] * math.sqrt(T) * stream.standard_normal(3)
+        rudder = then
+    table = np.array(rows)
+    first = table[0, :4].copy()
+    table[:, :4] += NOISE[3:] * stream.standard_normal((samples, 4))
+    return Trial(f"zigzag {angle:g}", np.arange(0.0, T * samples, T), table, (), windy=False), first
+
+
+def _sailed(whole: Numbers, model: Model, state: Numbers, helm: tuple[float, float]) -> Numbers:
+    """Return the state two seconds on, by four steps of Runge and Kutta."""
+    work, out, h = np.empty((ROWS, 1)), np.empty((3, 1)), 0.5
+
+    def rates(x: Numbers, part: float) -> Numbers:
+        inputs = np.array([helm[0] + part * (helm[1] - helm[0]), 1.5, 0.0, 0.0])
+        set_terms(work, CONSTANTS, x, inputs, whole[-5:])
+        add_terms(work, model.terms, whole, CONSTANTS[0], out)
+        return np.array([*out[:, 0], x[2]])
+
+    for i in range(4):
+        k1 = rates(state, i / 4.0)
+        k2 = rates(state + 0.5 * h * k1, (i + 0.5) / 4.0)
+        k3 = rates(state + 0.5 * h * k2, (i + 0.5) / 4.0)
+        k4 = rates(state + h * k3, (i + 1.0) / 4.0)
+        state = state + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    return state

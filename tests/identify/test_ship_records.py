@@ -1,0 +1,362 @@
+"""Records and files of ships that are not linear: what is read, what is refused, what sails."""
+
+import json
+import math
+import re
+import shlex
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from helpers import ships
+from helpers.places import ROOT
+from helpers.ships import COEFFICIENTS, SHIP, sailed_zigzag
+
+import trainer
+from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.turns import Turn
+from trainer.analysis.manoeuvres.vehicle import PORT, STARBOARD
+from trainer.cli.main import cli
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.ships import vehicle
+from trainer.identify.ships.models import model_of
+from trainer.identify.ships.records import load_trial
+from trainer.identify.ships.ship_file import (
+    Records,
+    ShipColumn,
+    ShipFile,
+    load_ship,
+    parse_ship,
+    ship_text,
+)
+from trainer.identify.ships.ship_file import Result as Fitted
+from trainer.identify.ships.vehicle import IdentifiedShip, draws, fly_ship
+from trainer.units import KNOT
+
+PAGE = (ROOT / "docs" / "nonlinear-ships.md").read_text(encoding="utf-8")
+Columns = dict[str, Numbers]
+
+
+@pytest.fixture(scope="module")
+def columns() -> Columns:
+    """Return the columns of a zig-zag as the trainer writes them."""
+    trial, _ = sailed_zigzag(20.0, seed=1)
+    u, v, r, psi, rudder, n = trial.table.T[:6]
+    return {"t": trial.t, "u": u, "v": v, "r": r, "psi": psi, "delta_r": -rudder, "n": n}
+
+
+def written(columns: Columns, path: Path) -> Path:
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    path.write_text("\n".join(lines).replace("nan", "") + "\n", encoding="utf-8")
+    return path
+
+
+def test_a_record_of_the_trainer_is_read_with_the_rudder_to_starboard(
+    columns: Columns, tmp_path: Path
+) -> None:
+    trial = load_trial(written(columns, tmp_path / "a.csv"), SHIP)
+
+    assert trial.table[:, 0] == pytest.approx(columns["u"])
+    assert trial.inputs[:, 0] == pytest.approx(-columns["delta_r"])
+    assert (trial.table[:, 9] == 1.0).all()
+    assert not trial.windy
+
+
+def test_rows_are_averaged_around_the_one_taken(columns: Columns, tmp_path: Path) -> None:
+    trial = load_trial(written(columns, tmp_path / "a.csv"), SHIP, every=5)
+
+    assert trial.t[:2] == pytest.approx([4.0, 14.0])
+    assert trial.table[0, 0] == pytest.approx(columns["u"][:5].mean())
+    assert trial.table[1, 5] == pytest.approx(1.5)
+
+
+def test_velocities_over_ground_are_turned_into_the_ship_where_the_water_stands(
+    columns: Columns, tmp_path: Path
+) -> None:
+    u, v, psi = columns["u"], columns["v"], columns["psi"]
+    north, east = u * np.cos(psi) - v * np.sin(psi), u * np.sin(psi) + v * np.cos(psi)
+    ground = {key: columns[key] for key in ("t", "r", "psi", "delta_r")}
+    ground |= {"vx": north, "vy": east, "rpm": 60.0 * columns["n"]}
+    path = written(ground, tmp_path / "a.csv")
+    own = {"t": "t", "rudder": "delta_r", "yaw_rate": "r", "heading": "psi", "revolutions": "rpm"}
+    own |= {"north_velocity": "vx", "east_velocity": "vy"}
+    units = {"rudder": "rad", "yaw_rate": "rad/s", "heading": "rad", "revolutions": "rpm", "t": "s"}
+    rows = tuple(
+        ShipColumn(channel=key, column=name, unit=units.get(key, "m/s"))
+        for key, name in own.items()
+    )
+    ship = replace(SHIP, columns=rows)
+
+    with pytest.raises(ConfigError, match=r'over ground.*current = "none"'):
+        load_trial(path, ship)
+    trial = load_trial(path, replace(ship, records=Records(current="none")))
+
+    assert trial.table[:, 0] == pytest.approx(u)
+    assert trial.table[:, 1] == pytest.approx(v, abs=1e-9)
+    assert trial.table[:, 5] == pytest.approx(1.5)
+
+
+def test_wind_by_speed_and_direction_comes_from_ahead_and_starboard(
+    columns: Columns, tmp_path: Path
+) -> None:
+    wind = {"wind_ahead": columns["u"], "wind_starboard": 0.0 * columns["u"] + 2.0}
+    trial = load_trial(written({**columns, **wind}, tmp_path / "a.csv"), SHIP)
+
+    assert trial.windy
+    assert trial.inputs[:, 3] == pytest.approx(2.0)
+    assert "N_ww" in model_of("mmg", wind=True).free
+
+
+def repeated(columns: Columns) -> Columns:
+    t = columns["t"].copy()
+    t[7] = t[6]
+    return {**columns, "t": t}
+
+
+def gap(columns: Columns) -> Columns:
+    n = columns["n"].copy()
+    n[4] = math.nan
+    return {**columns, "n": n}
+
+
+def without(name: str) -> Callable[[Columns], Columns]:
+    return lambda columns: {key: one for key, one in columns.items() if key != name}
+
+
+def times(name: str, factor: float) -> Callable[[Columns], Columns]:
+    return lambda columns: {**columns, name: factor * columns[name]}
+
+
+BAD: dict[str, tuple[Callable[[Columns], Columns], str]] = {
+    "no revolutions": (without("n"), r"no revolutions was recorded: .*slipstream.*\[\[columns\]\]"),
+    "no speed": (without("u"), "no speed was recorded: the speed through the water"),
+    "no sway": (without("v"), "no sway was recorded"),
+    "no times": (without("t"), "no column of times: .*interval_s"),
+    "the rudder's sign": (times("delta_r", -1.0), r'row \d+: delta_r: .*"starboard"'),
+    "revolutions per minute": (times("n", 60.0), r"row 2: the propeller advances J = .*rpm"),
+    "degrees": (times("r", 180.0 / math.pi), "degrees"),
+    "a time that repeats": (repeated, r"row 9: t = 12 s is repeated"),
+    "an input that is missing": (gap, r"row 6: revolutions: an input must be known"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_bad_record_is_refused_with_its_remedy(
+    name: str, columns: Columns, tmp_path: Path
+) -> None:
+    change, told = BAD[name]
+    path = written(change(columns), tmp_path / "bad.csv")
+
+    with pytest.raises(ConfigError, match=told) as wrong:
+        load_trial(path, SHIP)
+    assert "bad.csv" in str(wrong.value)
+
+
+def test_a_length_in_feet_is_asked_after() -> None:
+    text = ship_text(SHIP, "").replace("length_m = 320.0", "length_m = 1049.9")
+
+    with pytest.raises(
+        ConfigError, match=r"length_m = 1049.9: must be 0.1 to 500 m; is it in feet"
+    ):
+        parse_ship(text, Path("ship.toml"))
+
+
+def test_a_wrong_key_of_a_ship_file_is_named_with_the_nearest() -> None:
+    with pytest.raises(ConfigError, match=r"ship.toml: \[dimensions\] beem_m .*beam_m"):
+        parse_ship(ship_text(SHIP, "").replace("beam_m", "beem_m"), Path("ship.toml"))
+    with pytest.raises(ConfigError, match=r"sensor = .*no such key; nearest is sensors"):
+        parse_ship("sensor = 1\n" + ship_text(SHIP, ""), Path("ship.toml"))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ("coefficients = 1", r"ship.toml"),
+        ("[coefficients]\nN_F = 'much'", r"\[coefficients\] N_F"),
+        ("[coefficients]\nN_F = 1\n[covariance]\nN_v = [1.0]", r"N_v is no coefficient"),
+        ("[coefficients]\nN_F = 1\n[covariance]\nN_F = [1.0, 2.0]", r"\[covariance\] N_F"),
+    ],
+)
+def test_a_wrong_result_is_refused_by_name(wrong: str, told: str) -> None:
+    top = "" if wrong.startswith("[") else f"{wrong}\n"
+    whole = ship_text(SHIP, "").replace('schema = "ship/1"\n', f'schema = "ship/1"\n{top}')
+    whole += '[result]\nmodel = "mmg"\nspeed_kn = 15\nrevolutions_per_s = 1\n'
+    with pytest.raises(ConfigError, match=told):
+        parse_ship(whole + ("" if top else wrong), Path("ship.toml"))
+
+
+@pytest.fixture
+def known() -> ShipFile:
+    """Return the tanker as a fit would have written it, with an uncertain rudder."""
+    whole = {name: COEFFICIENTS.get(name, 0.0) for name in model_of("mmg", wind=False).names}
+    return replace(
+        SHIP,
+        result=Fitted(model="mmg", speed_kn=15.0, revolutions_per_s=1.4),
+        coefficients=whole,
+        uncertain=("N_F", "Y_F"),
+        covariance=np.array([[0.0016, -0.0003], [-0.0003, 0.0001]]),
+        ranges={"rudder": (-0.2, 0.2), "speed": (4.0, 8.0)},
+    )
+
+
+def test_a_ship_file_says_again_what_it_said(known: ShipFile) -> None:
+    again = parse_ship(ship_text(known, "a test"), Path("ship.toml"))
+
+    assert again.coefficients == known.coefficients
+    assert again.covariance == pytest.approx(known.covariance)
+    assert (again.dimensions, again.result) == (known.dimensions, known.result)
+    assert again.ranges == {"rudder": (-0.2, 0.2), "speed": (4.0, 8.0)}
+
+
+def test_a_ship_begins_in_steady_straight_motion(known: ShipFile) -> None:
+    ship = IdentifiedShip(known)
+    ship.start(15.0 * KNOT)
+    for _ in range(200):
+        ship.advance()
+    _, u, _, r, _, _, psi, _, _ = ship.observe()
+
+    assert u == pytest.approx(15.0 * KNOT, rel=1e-6)
+    assert abs(r) < 1e-9
+    assert abs(psi) < 1e-6
+
+
+def test_a_symmetric_ship_turns_alike_to_both_sides(known: ShipFile) -> None:
+    even = {**known.coefficients, "Y_0": 0.0, "N_0": 0.0}
+    ship = IdentifiedShip(replace(known, coefficients=even))
+    turns = [
+        fly(ship, Turn(angle_deg=35.0, duration_s=400.0, side=side), 7.0)
+        for side in (STARBOARD, PORT)
+    ]
+
+    assert turns[0].column("y") == pytest.approx(-turns[1].column("y"), abs=1e-6)
+    assert turns[0].column("psi")[-1] > math.pi
+
+
+def test_a_speed_that_nothing_holds_is_refused(known: ShipFile) -> None:
+    with pytest.raises(ConfigError, match=r"nothing holds it straight at 15 kn"):
+        IdentifiedShip(replace(known, coefficients={**known.coefficients, "X_T": -1.0})).start(
+            15.0 * KNOT
+        )
+
+
+def test_a_file_without_a_result_cannot_sail() -> None:
+    with pytest.raises(ConfigError, match=r"ship.toml: lacks \[result\]"):
+        IdentifiedShip(SHIP)
+
+
+def test_ships_are_drawn_from_the_covariance(known: ShipFile) -> None:
+    drawn = np.array(
+        [[one.coefficients[name] for name in known.uncertain] for one in draws(known, 4000)]
+    )
+
+    assert drawn.mean(axis=0) == pytest.approx([1.2, -0.2], abs=0.004)
+    assert np.cov(drawn.T) == pytest.approx(known.covariance, rel=0.1, abs=2e-5)
+
+
+def test_a_manoeuvre_says_its_band_and_what_is_beyond_the_records(
+    known: ShipFile, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(vehicle, "DRAWS", 30)
+    options = dict.fromkeys(
+        ("speed", "step", "angle", "execute", "planes", "duration", "step_speed", "step_time")
+    )
+    options |= dict.fromkeys(("ahead_speed", "ahead_time", "side", "direction"))
+
+    report, _ = fly_ship(known, "turning-circle", options)
+
+    band = {one.name: one for one in report.intervals}
+    own = {one.name: one.value for one in report.measures}
+    for name in ("advance", "tactical diameter", "steady diameter"):
+        low, high, value = band[name].low, band[name].high, own[name]
+        assert low is not None
+        assert high is not None
+        assert value is not None
+        assert low < value < high
+        assert high - low < 0.2 * value
+    assert report.draws == 30
+    assert any("the rudder goes from" in text for text in report.notices)
+    assert "95 % of 30 ships" in vehicle.render(report)
+
+
+def asked(*words: str) -> Result:
+    return CliRunner().invoke(cli, words)
+
+
+def test_what_the_models_do_not_know_is_refused(columns: Columns, tmp_path: Path) -> None:
+    record, ship = str(written(columns, tmp_path / "a.csv")), str(tmp_path / "ship.toml")
+    Path(ship).write_text(ship_text(SHIP, ""), encoding="utf-8")
+
+    answers = {
+        "needs --ship": asked("identify", record, "--model", "mmg"),
+        "noise": asked(
+            "identify", record, "--model", "mmg", "--ship", ship, "--noise", "covariance"
+        ),
+        r"lacks [result]": asked("manoeuvre", "zigzag-20", ship),
+    }
+
+    assert all(one.exit_code != 0 for one in answers.values())
+    for words, one in answers.items():
+        assert words in one.output + str(one.exception), words
+
+
+def test_the_python_face_sends_to_the_command(columns: Columns, tmp_path: Path) -> None:
+    record = written(columns, tmp_path / "a.csv")
+
+    with pytest.raises(ConfigError, match="model mmg: is fitted by the command"):
+        trainer.identify_ship(record, model="mmg", length=320.0)  # type: ignore[arg-type]
+
+
+def blocks(kind: str) -> list[str]:
+    """Return the blocks of a kind on the page."""
+    return re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL)
+
+
+def test_the_page_leads_from_a_record_to_a_turning_circle(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(vehicle, "DRAWS", 30)
+    ship, known_ship = blocks("toml")[:2]
+    Path("ship.toml").write_text(ship, encoding="utf-8")
+    Path("known.toml").write_text(known_ship, encoding="utf-8")
+    lines = [line.removeprefix("$ ") for line in blocks("console")[0].splitlines()]
+
+    answers = [asked(*shlex.split(line)[1:]) for line in lines]
+    told = asked("manoeuvre", "turning-circle", "known.toml", "--json")
+
+    assert [one.exit_code for one in answers] == [0] * 4, [one.output for one in answers]
+    assert "settled in" in answers[2].output
+    assert "What the record cannot tell" in answers[2].output
+    assert re.search(r"zz10.csv +held back +\S+ +\S+ +(99|100)\.\d", answers[2].output)
+    found = load_ship(Path("found.toml"))
+    assert found.coefficients["N_F"] == pytest.approx(1.2, abs=0.1)
+    truth = {one["name"]: one["value"] for one in json.loads(told.output)["measures"]}
+    row = re.search(r"  advance +([\d.]+) +([\d.]+) +m", answers[3].output)
+    assert row
+    assert float(row[1]) - 15.0 < truth["advance"] < float(row[2]) + 15.0
+
+
+def test_a_record_of_another_ship_is_not_fitted_with_it(
+    columns: Columns, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        ships, "COEFFICIENTS", {**COEFFICIENTS, "N_F": 0.3, "N_v": -1.0, "N_r": -4.0}
+    )
+    other, _ = sailed_zigzag(20.0, seed=2)
+    u, v, r, psi, rudder, n = other.table.T[:6]
+    strange = {"t": other.t, "u": u, "v": v, "r": r, "psi": psi, "delta_r": -rudder, "n": n}
+    first = str(written(columns, tmp_path / "a.csv"))
+    second = str(written(strange, tmp_path / "b.csv"))
+    (tmp_path / "ship.toml").write_text(ship_text(SHIP, ""), encoding="utf-8")
+
+    answer = asked(
+        *("identify", first, second, "--model", "mmg", "--ship", str(tmp_path / "ship.toml"))
+    )
+
+    assert answer.exit_code != 0
+    assert re.search(r"[ab]\.csv: row 1 on: .*another ship.*one by one", repr(answer.exception))

@@ -1,0 +1,298 @@
+"""Ships that are not linear: forces, likelihood and fit. Numbers are of the model's section 11."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.places import ROOT
+from helpers.ships import (
+    COEFFICIENTS,
+    CONSTANTS,
+    SHIP,
+    made_record,
+    sailed_zigzag,
+)
+
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.extended_filter import filter_record
+from trainer.identify.ships.fit import Fit, Found, fit, pose, promise_of, search
+from trainer.identify.ships.likelihood import Problem
+from trainer.identify.ships.models import TANKER, kijima, model_of, prior_of
+from trainer.identify.ships.results import explained, predict, untold
+from trainer.identify.ships.ship_file import key_tables
+
+# of two programs of different build, which agree: states at the last sample, -log L, slopes by
+# N_v, X_T, ln sigma_w_r, ln sigma_e_psi and v_0, information of N_v and X_T
+PUBLISHED = {
+    "linear": (
+        (7.890840866013, -0.241163132591, 0.00160325120993, 0.129670421133),
+        -3698.4355131939,
+        (-1.03584678, 0.00310198, 28.87053962, 8.83189557, 196.85569306),
+        (108.629307, 2.015111),
+    ),
+    "mavmm": (
+        (4.835142229385, -1.769782890894, 0.00954500013287, 2.608632249602),
+        -3697.1932777327,
+        (1.60882602, 0.11109575, 28.69044178, 8.73938783, 195.75373186),
+        (3097.633946, 2.330726),
+    ),
+    "abkowitz": (
+        (5.526374749860, -1.377297897624, 0.00809300203061, 2.187823787944),
+        -3697.8232944716,
+        (1.42156761, 0.12595161, 28.68606207, 8.75329753, 195.75332223),
+        (2086.477362, 2.270526),
+    ),
+    "mmg": (
+        (7.560494151655, -0.665936289358, 0.00416062596966, 0.725258845934),
+        -3697.8553963533,
+        (1.46743769, 0.02661479, 28.27392323, 8.63774338, 195.64795642),
+        (459.569199, 1.907045),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_states_and_likelihood_are_the_published_ones(name: str) -> None:
+    problem, a, states = made_record(name)
+    last, cost, _, _ = PUBLISHED[name]
+
+    assert states[-1] == pytest.approx(last, abs=1e-9)
+    assert problem.cost(a) == pytest.approx(cost, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_gradient_and_information_are_the_published_ones(name: str) -> None:
+    problem, a, _ = made_record(name)
+    _, cost, slopes, information = PUBLISHED[name]
+    p, free = len(problem.model.free), problem.model.free
+    N_v, X_T = free.index("N_v"), free.index("X_T")
+
+    value, g, H = problem.slopes(a)
+
+    assert value == pytest.approx(cost, abs=1e-9)
+    assert g[[N_v, X_T, p + 2, p + 6, p + 8]] == pytest.approx(slopes, abs=1e-7)
+    assert (H[N_v, N_v], H[X_T, X_T]) == pytest.approx(information, abs=1e-5)
+
+
+def differences(problem: Problem, a: Numbers, unit: Numbers) -> Numbers:
+    """Return the gradient by differences of fourth order, ``unit`` the step of each parameter."""
+    found = []
+    for e in np.diag(unit):
+        at = [problem.cost(a + n * e) for n in (-2, -1, 1, 2)]
+        found.append((at[0] - 8.0 * at[1] + 8.0 * at[2] - at[3]) / 12.0 / e.sum())
+    return np.array(found)
+
+
+@pytest.mark.parametrize("wake", [0.0, 0.5])
+def test_the_gradient_is_that_of_the_likelihood_with_and_without_wake(wake: float) -> None:
+    problem, a, _ = made_record("mmg", {"c_w": wake, "gamma_a": 0.0 if wake == 0.0 else -0.03})
+    _, g, H = problem.slopes(a)
+    known = np.sqrt(np.diag(H))
+
+    away = (differences(problem, a, 1e-3 / known) - g) / known
+
+    assert np.max(np.abs(away)) < 1e-6
+    assert pytest.approx(H.T) == H
+
+
+def test_a_reading_that_is_missing_counts_for_nothing() -> None:
+    problem, a, _ = made_record("mmg")
+    trial = problem.trials[0]
+    system = CONSTANTS, problem.model.terms, problem.values(a, 0), problem.model.places
+    errors, none = np.empty((len(trial.table), 4, 2)), (np.empty(0), np.empty((0, 0)))
+    whole = filter_record(system, trial.table, errors, *none)
+    last = trial.table.copy()
+    last[-1, 3] = math.nan
+    less = filter_record(system, last, errors.copy(), *none)
+    e, s = errors[-1, 3]
+
+    assert math.isnan(errors[120, 0, 1])
+    # the other readings of that sample are taken before the heading
+    assert whole - less == pytest.approx(0.5 * (math.log(2.0 * math.pi * s) + e * e / s), abs=1e-6)
+
+
+def test_a_ship_that_turns_over_costs_without_bound() -> None:
+    problem, a, _ = made_record("mmg")
+    wild = a.copy()
+    wild[problem.model.free.index("N_r")] = 400.0
+
+    assert problem.cost(wild) == math.inf
+
+
+def test_steps_between_samples_converge_at_fourth_order() -> None:
+    problem, a, _ = made_record("mmg")
+    trial = problem.trials[0]
+
+    def end(parts: float) -> float:
+        table = trial.table.copy()
+        table[:, 9] = parts
+        return float(problem.sail(a, replace(trial, table=table))[-1, 3])
+
+    coarse, half, fine = (abs(end(parts) - end(32.0)) for parts in (1.0, 2.0, 4.0))
+    assert np.log2(coarse / half) == pytest.approx(4.0, abs=0.4)
+    assert np.log2(half / fine) == pytest.approx(4.0, abs=0.4)
+
+
+def test_the_prior_by_form_is_near_that_of_tankers() -> None:
+    form = kijima(SHIP.dimensions)
+
+    assert form["X_T"][0] == pytest.approx(TANKER["X_T"][0], rel=0.01)
+    for name, (mean, width) in form.items():
+        assert abs(mean - TANKER[name][0]) < 1.2 * width, name
+
+
+def test_what_is_known_before_is_weaker_without_a_book() -> None:
+    model = model_of("mmg", wind=False)
+    plain = replace(SHIP.dimensions, beam_m=None)
+    known, source = prior_of(model, replace(SHIP, dimensions=plain))
+    linear, _ = prior_of(model_of("linear", wind=False), SHIP)
+
+    assert "tankers" in source
+    assert known["kappa"] == TANKER["kappa"]
+    assert "N_v" not in linear  # the slope of a line is not that of a cubic at nothing
+
+
+@pytest.fixture(scope="module")
+def found() -> Fit:
+    """Return the fit to a zig-zag of a known ship."""
+    model = model_of("mmg", wind=False)
+    plain = replace(SHIP, dimensions=replace(SHIP.dimensions, beam_m=None))
+    trial, _ = sailed_zigzag(20.0, seed=1)
+    problem, begin = pose(model, CONSTANTS, [trial], prior_of(model, plain)[0], 0.5)
+    return fit(problem, begin, lambda *_: None)
+
+
+def test_a_fit_settles_where_all_its_starts_do(found: Fit) -> None:
+    assert found.settled
+    assert max(found.others) - min(found.others) < 0.1
+    assert min(found.others) == pytest.approx(found.found.cost, abs=1e-4)
+
+
+def test_a_fit_finds_the_ship(found: Fit) -> None:
+    free = found.problem.model.free
+    truth = np.array([COEFFICIENTS[name] for name in free])
+    away = (found.a[: len(free)] - truth) / found.deviations[: len(free)]
+
+    assert np.max(np.abs(away)) < 4.0
+    assert np.mean(away**2) < 2.0
+    assert found.a[free.index("N_F")] == pytest.approx(1.2, abs=0.15)
+
+
+def test_a_fit_predicts_runs_that_it_has_not_seen(found: Fit) -> None:
+    for angle in (10.0, -10.0, -20.0):
+        other, _ = sailed_zigzag(angle, seed=7)
+        told = predict(found.problem, found.found.a, other, "held back")
+        assert told.explained[2] is not None
+        assert told.explained[2] > 97.0, angle
+
+
+def test_the_book_knows_the_lever_and_the_record_the_rudder(found: Fit) -> None:
+    share = dict(zip(found.problem.names, found.prior_share, strict=True))
+
+    assert share["l"] > 0.9
+    assert share["N_F"] < 0.2
+    assert share["X_0"] == 0.0  # there is no book of it
+    assert all(0.0 <= x <= 1.0 + 1e-9 for x in share.values())
+
+
+def test_what_zigzags_do_not_tell_apart_is_named(found: Fit) -> None:
+    worst = untold(found)
+
+    assert worst[0].eigenvalue < 1e-5
+    assert {"N_vrr", "N_vvr"} <= set(worst[0].parts)
+    assert any({"X_vr", "X_rr"} <= set(one.parts) for one in worst)
+
+
+def test_freedom_widens_the_disturbances(found: Fit) -> None:
+    p = len(found.problem.model.free)
+    wider = found.a[p : p + 3] - found.found.a[p : p + 3]
+
+    assert (wider > 0.01).all()
+    assert (wider < 1.0).all()
+    assert (found.a[p + 3 :] == found.found.a[p + 3 :]).all()
+
+
+def test_a_search_that_is_stopped_does_not_say_it_settled(
+    found: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("trainer.identify.ships.fit.STEPS", 2)
+    begin = found.found.a.copy()
+    begin[found.problem.model.free.index("N_F")] += 0.5
+
+    assert not search(found.problem, begin, lambda *_: None).settled
+    assert not Found(begin, 0.0, math.inf, 0).settled
+
+
+def test_a_promise_is_that_of_the_parabola() -> None:
+    H, x = np.diag([4.0, 1e-6]), np.array([0.5, 100.0])
+
+    # 1/2 x H x is left at x
+    assert promise_of(H @ x, H) == pytest.approx(0.5 * x @ H @ x)
+
+
+def test_several_records_share_coefficients_and_have_first_states_of_their_own() -> None:
+    problem, a, _ = made_record("mmg")
+    both = replace(problem, trials=problem.trials * 2)
+    double = np.concatenate([a, a[-4:]])
+
+    cost, g, H = both.slopes(double)
+    own, g_own, H_own = problem.slopes(a)
+
+    assert cost == pytest.approx(2.0 * own)
+    assert g[: problem.common] == pytest.approx(2.0 * g_own[: problem.common])
+    assert g[-4:] == pytest.approx(g_own[-4:])
+    assert (H[-4:, problem.common : problem.common + 4] == 0.0).all()
+    assert H[-4:, -4:] == pytest.approx(H_own[-4:, -4:])
+
+
+def test_a_perfect_prediction_explains_all_and_the_mean_nothing() -> None:
+    y = np.column_stack([np.sin(np.arange(50.0) + i) for i in range(4)])
+
+    assert explained(y, y)[0] == pytest.approx([100.0] * 4)
+    assert explained(y, np.broadcast_to(y.mean(axis=0), y.shape))[0] == pytest.approx([0.0] * 4)
+
+
+@pytest.mark.slow
+def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
+    model = model_of("mmg", wind=False)
+    inside = []
+    for i in range(30):
+        stream = np.random.default_rng(5000 + i)
+        prior = {
+            name: (COEFFICIENTS[name] + width * stream.standard_normal(), width)
+            for name, (_, width) in TANKER.items()
+            if name in model.free
+        }
+        trial, first = sailed_zigzag(20.0, seed=1000 + i)
+        problem, begin = pose(model, CONSTANTS, [trial], prior, 1.0)
+        one = fit(problem, begin, lambda *_: None)
+        assert one.settled
+        p = len(model.free)
+        truth = np.array([*(COEFFICIENTS[name] for name in model.free)])
+        away = np.append(one.a[:p] - truth, one.a[-4:] - first)
+        inside.append(np.abs(away) < 1.96 * one.deviations[[*range(p), *range(-4, 0)]])
+    # 94.3 % over 200 records; neighbours are correlated, so 30 records scatter by 1.5 %
+    assert 0.89 < np.mean(inside) < 0.99
+
+
+def test_the_page_tells_the_keys_of_a_ship_file() -> None:
+    page = ROOT / "docs" / "nonlinear-ships.md"
+
+    assert key_tables() in page.read_text(encoding="utf-8")
+
+
+def test_an_error_of_readings_stops_at_its_floor_and_the_fit_settles() -> None:
+    trial, _ = sailed_zigzag(20.0, seed=1)
+    exact = replace(trial, table=trial.table.copy())
+    smooth = np.convolve(trial.table[:, 2], np.ones(25) / 25.0, mode="same")
+    exact.table[:, 2] = smooth  # published readings are often smoothed
+    model = model_of("linear", wind=False)
+    problem, begin = pose(model, CONSTANTS, [exact], prior_of(model, SHIP)[0], 0.5)
+
+    end = search(problem, begin, lambda *_: None)
+
+    assert end.settled
+    assert (end.a >= problem.lowest).all()
+    place = problem.names.index("sigma_e_r")
+    assert end.a[place] == problem.lowest[place]

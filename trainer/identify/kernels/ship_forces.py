@@ -1,0 +1,177 @@
+"""The forces of a ship with hull polynomials, slipstream, wake and rudder, as accelerations.
+
+Rudder, slipstream and wake are those of Yasukawa and Yoshimura 2015 (J Mar Sci Technol 20, 37-52),
+their wake with C1 = 2. Every term is an acceleration in prime units times U^2/L, so that no mass
+is needed. The terms are forward numbers, whose directions are u, v, r, then gamma, l, kappa, c_w
+and gamma_a. A positive rudder turns the ship to starboard here.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.forward_numbers import (
+    DIRECTIONS,
+    FIRST,
+    Quantity,
+    quantities,
+    run_steps,
+    second_place,
+)
+from trainer.identify.kernels.kernel import lean
+
+Terms = NDArray[np.int64]
+
+NONLINEAR: Final = 5  # coefficients that are not factors of a term
+SHIP: Final = 6  # length, propeller diameter, three coefficients of K_T, 1-w
+# further constants: rudder, its sine and cosine, revolutions, wind, and numbers of the equations
+INPUTS: Final = 8
+NUMBERS: Final = (0.0, 1.0, 2.0, -2.0, 8.0 / math.pi, 0.48, 0.85, 1e-4)
+CONSTANTS: Final = SHIP + INPUTS + len(NUMBERS)
+
+
+def _terms() -> tuple[dict[str, int], list[tuple[int, int, int]]]:
+    """Return the row of each term, and the steps that lead to them.
+
+    v' = v/U and r' = rL/U. The propeller meets the drift of a place 0.48 L behind midships;
+    0.85 is propeller over rudder height; |z| is sqrt(z^2 + 1e-4).
+    """
+    rows = quantities(DIRECTIONS, CONSTANTS)
+    u, v, r, gamma, lever, kappa, c_w, gamma_a = rows[:DIRECTIONS]
+    L, D, k0, k1, k2, one_w = rows[DIRECTIONS : DIRECTIONS + SHIP]
+    delta, sine, cosine, n, side, both, ahead, _ = rows[DIRECTIONS + SHIP :][:INPUTS]
+    zero, one, two, minus_two, jet, behind, covered, small = rows[-len(NUMBERS) :]
+
+    def size(z: Quantity) -> Quantity:
+        return (z * z + small).root()
+
+    UU = u * u + v * v
+    U = UU.root()
+    per_length = UU / L
+    v_, r_ = v / U, r * L / U
+    beta_P = v_ - behind * r_
+    u_P = one_w * u * (one + c_w * (one - (minus_two * size(beta_P)).exponential()))
+    tip = n * D
+    pull = k0 * tip * tip + k1 * tip * u_P + k2 * u_P * u_P
+    T_ = two * D * D / (L * L) * pull / UU
+    q = (u_P * u_P + jet * pull).root()
+    mean = u_P + kappa * (q - u_P)
+    u_R = (covered * mean * mean + (one - covered) * u_P * u_P).root()
+    b = (v + lever * L * r) / U
+    v_R = zero - U * (gamma * b + gamma_a * size(b))
+    F = (u_R * u_R + v_R * v_R).root() * (u_R * sine - v_R * cosine) / UU
+    vv, rr = v_ * v_, r_ * r_
+    found = {
+        "1": one * per_length,
+        "T": T_ * per_length,
+        "v": v_ * per_length,
+        "r": r_ * per_length,
+        "d": delta * per_length,
+        "ur": (u / U - one) * r_ * per_length,
+        "vvd": vv * delta * per_length,
+        "Td": T_ * delta * per_length,
+        "vvv": vv * v_ * per_length,
+        "vvr": vv * r_ * per_length,
+        "vrr": v_ * rr * per_length,
+        "rrr": r_ * rr * per_length,
+        "F": F * cosine * per_length,
+        "w": side / L,
+        "ww": both / L,
+        "vv": vv * per_length,
+        "vr": v_ * r_ * per_length,
+        "rr": rr * per_length,
+        "dd": delta * delta * per_length,
+        "X_F": zero - F * sine * per_length,
+        "X_w": ahead / L,
+    }
+    return {name: term.row for name, term in found.items()}, u.steps
+
+
+TERM_ROWS, _LIST = _terms()
+STEPS: Final = np.array(_LIST)
+ROWS: Final = DIRECTIONS + CONSTANTS + len(STEPS)
+LITERALS: Final = np.array(NUMBERS)
+
+
+@lean
+def _hold(table: Numbers, row: int, value: float) -> None:
+    """Write a constant."""
+    for i in range(table.shape[1]):
+        table[row, i] = 0.0
+    table[row, 0] = value
+
+
+@lean
+def set_terms(table: Numbers, ship: Numbers, x: Numbers, c: Numbers, rudder: Numbers) -> None:
+    """Write every term at state ``x`` (u, v, r) and inputs ``c``, times U^2/L.
+
+    ``ship`` is length, propeller diameter, three coefficients of K_T and 1-w; ``c`` is rudder
+    [rad], revolutions [1/s] and relative wind from ahead and from starboard [m/s]; ``rudder`` is
+    gamma, l, kappa, c_w and gamma_a.
+    """
+    for i in range(DIRECTIONS):
+        _hold(table, i, x[i] if i < 3 else rudder[i - 3])
+        if 1 + i < table.shape[1]:
+            table[i, 1 + i] = 1.0
+    for i in range(SHIP):
+        _hold(table, DIRECTIONS + i, ship[i])
+    wind = math.sqrt(c[2] * c[2] + c[3] * c[3] + 1e-4)
+    helm = c[0], math.sin(c[0]), math.cos(c[0]), c[1]
+    given = (*helm, c[3] * wind, c[2] * c[3], c[2] * wind, 0.0)
+    for i in range(INPUTS):
+        _hold(table, DIRECTIONS + SHIP + i, given[i])
+    for i in range(LITERALS.size):
+        _hold(table, DIRECTIONS + SHIP + INPUTS + i, LITERALS[i])
+    run_steps(table, STEPS)
+
+
+@lean
+def add_terms(table: Numbers, terms: Terms, factors: Numbers, length: float, out: Numbers) -> None:
+    """Write du/dt, dv/dt, dr/dt as forward numbers (3, columns); ``terms`` are (axis, row)."""
+    for e in range(3):
+        for i in range(out.shape[1]):
+            out[e, i] = 0.0
+    for j in range(terms.shape[0]):
+        axis = terms[j, 0]
+        factor = factors[j] / length if axis == 2 else factors[j]
+        for i in range(out.shape[1]):
+            out[axis, i] += factor * table[terms[j, 1], i]
+
+
+@lean
+def set_jacobian(rates: Numbers, A: Numbers) -> None:
+    """Write df/dx (4, 4) from the forward numbers of the accelerations."""
+    for e in range(3):
+        for i in range(3):
+            A[e, i] = rates[e, 1 + i]
+        A[e, 3] = 0.0
+        A[3, e] = 0.0
+    A[3, 2] = 1.0
+    A[3, 3] = 0.0
+
+
+@lean
+def coefficient_slopes(
+    table: Numbers, rates: Numbers, terms: Terms, length: float, which: int, out: Numbers
+) -> None:
+    """Write d/d(coefficient) of the accelerations, and of their derivatives by u, v, r (3, 4).
+
+    ``which`` counts the factors of ``terms`` first, then the nonlinear coefficients.
+    """
+    for e in range(3):
+        for i in range(4):
+            out[e, i] = 0.0
+    if which < terms.shape[0]:
+        axis, row = terms[which, 0], terms[which, 1]
+        for i in range(4):
+            out[axis, i] = table[row, i] / length if axis == 2 else table[row, i]
+        return
+    direction = 3 + which - terms.shape[0]
+    for e in range(3):
+        out[e, 0] = rates[e, 1 + direction]
+        if rates.shape[1] > FIRST:
+            for i in range(3):
+                out[e, 1 + i] = rates[e, second_place(i, direction)]

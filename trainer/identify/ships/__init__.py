@@ -1,0 +1,1 @@
+"""Ships that are not linear, identified by the extended Kalman filter."""

@@ -1,0 +1,308 @@
+"""A ship fitted to its records: regression to start, scoring to settle, honest intervals."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.ship_forces import ROWS, set_terms
+from trainer.identify.ships.likelihood import DISTURBANCES, Problem, first_state, floors_of
+from trainer.identify.ships.models import AXES, NONLINEAR, Model, Prior
+from trainer.identify.ships.records import Trial
+
+GUESS: Final = np.array([0.4, -0.7, 0.5, 0.4, 0.0])  # gamma, l, kappa, c_w, gamma_a of the start
+WINDOW: Final = 0.3  # [L/U] of the smoothing polynomial
+CUBIC: Final = 3
+LEFT: Final = 0.05  # [-] of the acceleration's variance that the regression leaves
+QUIET: Final = 0.03, 0.05  # [-] of a channel's spread: disturbance in ten samples, error
+WIDTH: Final = 0.7  # of the logarithm of a disturbance about its start: a factor of two
+UNREAD: Final = 1.0  # the same of the error of a channel that was not read
+STEPS: Final = 200
+SETTLED: Final = 1e-6  # promise of a further step
+REFUSALS: Final = 30
+SMALLEST: Final = 1e-12  # eigenvalue of the scaled information that counts
+MOST: Final = 1.0  # of a logarithm or first state in a step
+BEATEN: Final = 0.1  # of -log L by which another start must not be better
+OTHERS: Final = 2  # starts beside the regression
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where a search ended."""
+
+    a: Numbers
+    cost: float
+    promise: float  # what a further step promises
+    steps: int
+
+    @property
+    def settled(self) -> bool:
+        """Return whether no step promises anything."""
+        return self.promise < SETTLED
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted ship: parameters, their covariance, and how much of it is the prior's."""
+
+    problem: Problem
+    found: Found
+    a: Numbers  # with disturbances freed of what fitting took
+    covariance: Numbers
+    information: Numbers  # of the records alone
+    others: tuple[float, ...]  # -log L where the other starts ended
+
+    @property
+    def settled(self) -> bool:
+        """Return whether the best start settled."""
+        return self.found.settled
+
+    @property
+    def deviations(self) -> Numbers:
+        """Return the standard deviations."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    @property
+    def prior_share(self) -> Numbers:
+        """Return how much of each common parameter's precision is the prior's (p + 7,)."""
+        common = self.problem.common
+        return np.asarray(np.diag(self.covariance)[:common] / self.problem.width**2)
+
+
+def pose(
+    model: Model, constants: Numbers, trials: Sequence[Trial], prior: Prior, strength: float
+) -> tuple[Problem, Numbers]:
+    """Return the problem of fitting a model to records, and where its search begins."""
+    trials = tuple(trials)
+    p = len(model.free)
+    mean, width = np.zeros(p + 7), np.full(p + 7, math.inf)
+    for j, name in enumerate(model.free):
+        if name in prior and strength > 0.0:
+            mean[j], width[j] = prior[name][0], prior[name][1] * strength
+    noise = _first_noise(trials)
+    mean[p:], width[p : p + 3] = noise, WIDTH
+    unread = ~np.isfinite(np.vstack([trial.readings for trial in trials])).any(axis=0)
+    width[p + 3 :][unread] = UNREAD
+    problem = Problem(model, constants, trials, mean, width, floors_of(trials))
+    begin = np.concatenate([_regression(problem), noise, *map(first_state, trials)])
+    return problem, begin
+
+
+def _first_noise(trials: tuple[Trial, ...]) -> Numbers:
+    """Return the logarithms of disturbances and errors that a search begins with (7,)."""
+    rows = np.vstack([trial.readings for trial in trials])
+    seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
+    spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1e-2 for i in range(4)])
+    spread = np.maximum(spread, 1e-9)
+    step = float(np.median(np.concatenate([np.diff(trial.t) for trial in trials])))
+    return np.log([*(QUIET[0] * spread[:3] / math.sqrt(10.0 * step)), *(QUIET[1] * spread)])
+
+
+def smooth(trial: Trial, length: float) -> tuple[Numbers, Numbers]:
+    """Return u, v, r and their derivatives (n, 3) by Savitzky and Golay's cubic."""
+    from scipy.signal import savgol_filter  # noqa: PLC0415
+
+    rows = trial.readings.copy()
+    if np.isnan(rows[:, 2]).all():
+        rows[:, 2] = np.gradient(_filled(trial.t, rows[:, 3]), trial.t)
+    rows = np.column_stack([_filled(trial.t, rows[:, i]) for i in range(3)])
+    step = float(np.median(np.diff(trial.t)))
+    wanted = WINDOW * length / float(np.mean(rows[:, 0])) / step
+    window = min(max(2 * int(wanted / 2.0) + 1, CUBIC + 2), (len(rows) - 1) // 2 * 2 + 1)
+    smoothed = savgol_filter(rows, window, CUBIC, axis=0)
+    return smoothed, savgol_filter(rows, window, CUBIC, deriv=1, delta=step, axis=0)
+
+
+def _filled(t: Numbers, values: Numbers) -> Numbers:
+    """Return a channel with its gaps filled linearly."""
+    known = np.isfinite(values)
+    return np.asarray(np.interp(t, t[known], values[known]))
+
+
+def tabulated(constants: Numbers, states: Numbers, inputs: Numbers, rudder: Numbers) -> Numbers:
+    """Return every row of the terms' table at each sample (n, rows)."""
+    table, out = np.empty((ROWS, 1)), np.empty((len(states), ROWS))
+    for k, (state, given) in enumerate(zip(states, inputs, strict=True)):
+        set_terms(table, constants, state, np.ascontiguousarray(given), rudder)
+        out[k] = table[:, 0]
+    return out
+
+
+def _regression(problem: Problem) -> Numbers:
+    """Return the coefficients by least squares of the smoothed accelerations, with the prior."""
+    length = problem.constants[0]
+    rudder = GUESS if "c_w" in problem.model.free else GUESS * (1.0, 1.0, 1.0, 0.0, 1.0)
+    smoothed = [smooth(trial, length) for trial in problem.trials]
+    terms = np.vstack(
+        [
+            tabulated(problem.constants, states, trial.inputs, rudder)
+            for (states, _), trial in zip(smoothed, problem.trials, strict=True)
+        ]
+    )
+    target = np.vstack([rates for _, rates in smoothed])
+    values = {name: float(x) for name, x in zip(NONLINEAR, rudder, strict=True)}
+    for axis, letter in enumerate(AXES):
+        values |= _solve_axis(
+            problem, letter, terms, target[:, axis] * (length if axis == 2 else 1)
+        )
+    return np.array([values[name] for name in problem.model.free])
+
+
+def _solve_axis(problem: Problem, letter: str, terms: Numbers, target: Numbers) -> dict[str, float]:
+    """Return the coefficients of one equation."""
+    model = problem.model
+    rows = dict(zip(model.names, model.terms[:, 1], strict=False))
+    names = [name for name in model.free if name[:2] == f"{letter}_"]
+    places = [model.free.index(name) for name in names]
+    weight = 1.0 / max(LEFT * float(np.var(target)), 1e-30)
+    A, known = terms[:, [rows[name] for name in names]], problem.width[places] ** -2.0
+    left = weight * A.T @ A + np.diag(known)
+    right = weight * A.T @ target + known * problem.mean[places]
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(left), 1e-300))
+    solved = unit * np.linalg.lstsq(left * np.outer(unit, unit), unit * right, rcond=1e-12)[0]
+    return dict(zip(names, map(float, solved), strict=True))
+
+
+def fit(
+    problem: Problem, begin: Numbers, heard: Callable[[int, float], None], seed: int = 1
+) -> Fit:
+    """Return the best of searches from the regression and from draws of the prior."""
+    stream = np.random.default_rng(seed)
+    starts = [begin, *(_draw(problem, begin, stream) for _ in range(OTHERS))]
+    ends = [search(problem, start, heard) for start in starts if math.isfinite(problem.cost(start))]
+    if not ends:
+        ends = [Found(begin, math.inf, math.inf, 0)]
+    best = min(ends, key=lambda end: end.cost)
+    if not best.settled and math.isfinite(best.cost):
+        best = _go_on(problem, best, heard)
+    return _with_intervals(problem, best, tuple(end.cost for end in ends))
+
+
+def _draw(problem: Problem, begin: Numbers, stream: np.random.Generator) -> Numbers:
+    """Return another start: coefficients from twice the prior's width, noise up to e^2 off."""
+    a, p = begin.copy(), len(problem.model.free)
+    known = np.isfinite(problem.width[:p])
+    drawn = problem.mean[:p] + 2.0 * problem.width[:p] * stream.standard_normal(p)
+    a[:p][known] = drawn[known]
+    a[p : p + 7] += stream.uniform(-2.0, 2.0, 7)
+    return a
+
+
+def _scaled(H: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+    """Return the scale of the parameters, and eigenvalues and vectors of the scaled matrix."""
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
+    sizes, vectors = np.linalg.eigh(H * np.outer(unit, unit))
+    return unit, np.maximum(sizes, SMALLEST), vectors
+
+
+def promise_of(g: Numbers, H: Numbers) -> float:
+    """Return by how much a full step promises to lower the cost."""
+    unit, sizes, vectors = _scaled(H)
+    return 0.5 * float(np.sum((vectors.T @ (unit * g)) ** 2 / sizes))
+
+
+def _held_slopes(problem: Problem, a: Numbers) -> tuple[Numbers, Numbers]:
+    """Return gradient and information, without what is held at its lowest."""
+    _, g, H = problem.slopes(a)
+    held = (a <= problem.lowest) & (g > 0.0)
+    g[held], H[held], H[:, held] = 0.0, 0.0, 0.0
+    H[held, held] = 1.0
+    return g, H
+
+
+def _limited(problem: Problem, a: Numbers, step: Numbers) -> Numbers:
+    """Return a step cut so that nothing moves too far."""
+    p = len(problem.model.free)
+    most = np.full(len(a), MOST)
+    most[:p] = np.maximum(0.5, 0.5 * np.abs(a[:p]))
+    return np.asarray(step / max(1.0, float(np.max(np.abs(step) / most))))
+
+
+def search(problem: Problem, a: Numbers, heard: Callable[[int, float], None]) -> Found:
+    """Return where Levenberg's scoring on the expected information ends."""
+    damping, cost, promise = 1e-2, problem.cost(a), math.inf
+    for count in range(STEPS):
+        g, H = _held_slopes(problem, a)
+        if not (np.isfinite(g).all() and np.isfinite(H).all()):
+            return Found(a, cost, math.inf, count)
+        promise = promise_of(g, H)
+        if promise < SETTLED:
+            return Found(a, cost, promise, count)
+        unit, sizes, vectors = _scaled(H)
+        for _ in range(REFUSALS):
+            step = -unit * (vectors @ ((vectors.T @ (unit * g)) / (sizes + damping)))
+            step = np.maximum(_limited(problem, a, step), problem.lowest - a)
+            trial = problem.cost(a + step)
+            if trial < cost:
+                break
+            damping *= 4.0
+        else:
+            return Found(a, cost, promise, count)
+        expected = -float(g @ step + 0.5 * step @ H @ step)
+        gained = (cost - trial) / expected if expected > 0.0 else 0.0
+        damping = damping / 5.0 if gained > 0.5 else damping * 3.0 if gained < 0.2 else damping
+        a, cost = a + step, trial
+        heard(count + 1, cost)
+    return Found(a, cost, promise, STEPS)
+
+
+def _go_on(problem: Problem, begin: Found, heard: Callable[[int, float], None]) -> Found:
+    """Return where scipy's BFGS gets to, scaled by the information, then scoring again."""
+    from scipy.optimize import minimize  # noqa: PLC0415
+
+    _, H = _held_slopes(problem, begin.a)
+    unit, sizes, vectors = _scaled(H)
+    turn = (unit[:, None] * vectors) / np.sqrt(sizes)
+
+    def told(z: Numbers) -> tuple[float, Numbers]:
+        a = np.maximum(begin.a + turn @ z, problem.lowest)
+        cost = problem.cost(a)
+        if not math.isfinite(cost):
+            return 1e12, np.zeros_like(z)
+        return cost, np.asarray(turn.T @ _held_slopes(problem, a)[0])
+
+    ended = minimize(
+        told, np.zeros(len(begin.a)), jac=True, method="BFGS", options={"maxiter": 200}
+    )
+    end = np.maximum(begin.a + turn @ ended.x, problem.lowest)
+    if problem.cost(end) >= begin.cost:
+        return begin
+    again = search(problem, end, heard)
+    return Found(again.a, again.cost, again.promise, begin.steps + int(ended.nit) + again.steps)
+
+
+def _inverse(H: Numbers) -> Numbers:
+    """Return the inverse of an information, whose scales differ by many powers of ten."""
+    unit, sizes, vectors = _scaled(H)
+    return np.asarray(np.outer(unit, unit) * ((vectors / sizes) @ vectors.T))
+
+
+def _with_intervals(problem: Problem, found: Found, others: tuple[float, ...]) -> Fit:
+    """Return the fit with its covariance, at disturbances freed of what the coefficients took.
+
+    A likelihood with many coefficients makes disturbances too small: each equation's is widened by
+    the coefficients that the record determined in it.
+    """
+    a = found.a.copy()
+    if not math.isfinite(found.cost):
+        empty = np.full((problem.size, problem.size), math.nan)
+        return Fit(problem, found, a, empty, empty, others)
+    _, H = _held_slopes(problem, a)
+    C, p = _inverse(H), len(problem.model.free)
+    share = np.diag(C)[: problem.common] / problem.width**2
+    for axis, _ in enumerate(DISTURBANCES):
+        letters = ("X", "Y", "Nglkc")[axis]
+        taken = sum(
+            1.0 - share[j] for j, name in enumerate(problem.model.free) if name[0] in letters
+        )
+        place = p + axis
+        freedom = 0.5 * (1.0 / C[place, place] - 1.0 / problem.width[place] ** 2)
+        a[place] += 0.5 * math.log1p(max(taken, 0.0) / max(freedom, 1.0))
+    _, wide = _held_slopes(problem, a)
+    own = wide.copy()
+    places = np.arange(problem.common)
+    own[places, places] -= problem.width**-2.0
+    return Fit(problem, found, a, _inverse(wide), own, others)

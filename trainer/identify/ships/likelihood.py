@@ -1,0 +1,179 @@
+"""The likelihood of a ship's records with what books say: value, gradient and information.
+
+A parameter vector has the free coefficients, the logarithms of the disturbances of u, v and r and
+of the errors of u, v, r and heading, then a first state for each record. Coefficients and noise
+are common to all records.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.extended_filter import filter_record, sail_record
+from trainer.identify.kernels.extended_slopes import System
+from trainer.identify.kernels.ship_forces import Terms
+from trainer.identify.ships.models import Model
+from trainer.identify.ships.records import Trial
+
+DISTURBANCES: Final = ("sigma_w_u", "sigma_w_v", "sigma_w_r")
+ERRORS: Final = ("sigma_e_u", "sigma_e_v", "sigma_e_r", "sigma_e_psi")
+NOISES: Final = (*DISTURBANCES, *ERRORS)
+NO_SLOPES: Final = np.empty(0), np.empty((0, 0))
+FINEST: Final = 1e-4  # [-] of a channel's own spread: no error of readings is smaller
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Records, a model and the prior, whose width is infinite where none is."""
+
+    model: Model
+    constants: Numbers  # of the ship, as the kernels take them
+    trials: tuple[Trial, ...]
+    mean: Numbers  # (p + 7,)
+    width: Numbers  # (p + 7,)
+    floors: Numbers  # (4,) of the errors of readings
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Return the names of the common parameters."""
+        return (*self.model.free, *NOISES)
+
+    @property
+    def common(self) -> int:
+        """Return how many parameters are common to all records."""
+        return len(self.model.free) + len(NOISES)
+
+    @property
+    def size(self) -> int:
+        """Return how many parameters there are."""
+        return self.common + 4 * len(self.trials)
+
+    @cached_property
+    def _terms(self) -> Terms:
+        """Return the model's terms."""
+        return self.model.terms
+
+    @cached_property
+    def _places(self) -> Terms:
+        """Return the places of the free coefficients."""
+        return self.model.places
+
+    def coefficients(self, a: Numbers) -> dict[str, float]:
+        """Return the free coefficients by name."""
+        return dict(zip(self.model.free, map(float, a), strict=False))
+
+    def noise(self, a: Numbers) -> Numbers:
+        """Return the standard deviations of disturbances and errors (7,)."""
+        p = len(self.model.free)
+        return np.exp(a[p : p + 7])
+
+    def values(self, a: Numbers, record: int) -> Numbers:
+        """Return what the kernels take for one record."""
+        first = self.common + 4 * record
+        whole = self.model.whole(self.coefficients(a))
+        return np.concatenate([whole, self.noise(a), a[first : first + 4]])
+
+    def _system(self, a: Numbers, record: int) -> System:
+        """Return what the kernels take as a system for one record."""
+        return self.constants, self._terms, self.values(a, record), self._places
+
+    def penalty(self, a: Numbers) -> float:
+        """Return what the prior adds to -log L."""
+        away = (a[: self.common] - self.mean) / self.width
+        return 0.5 * float(away @ away)
+
+    def cost(self, a: Numbers) -> float:
+        """Return -log L with the prior; infinite for what is no ship."""
+        if not np.isfinite(a).all():
+            return math.inf
+        total = self.penalty(a)
+        for i, trial in enumerate(self.trials):
+            errors = np.empty((len(trial.table), 4, 2))
+            total += filter_record(self._system(a, i), trial.table, errors, *NO_SLOPES)
+        return float(total)
+
+    def slopes(self, a: Numbers) -> tuple[float, Numbers, Numbers]:
+        """Return -log L, its gradient and the information, each with the prior."""
+        total, gradient = self.penalty(a), np.zeros(self.size)
+        information = np.zeros((self.size, self.size))
+        gradient[: self.common] = (a[: self.common] - self.mean) / self.width**2
+        np.fill_diagonal(information[: self.common, : self.common], self.width**-2.0)
+        for i in range(len(self.trials)):
+            cost, own, known = self._record_slopes(a, i)
+            places = np.r_[: self.common, self.common + 4 * i : self.common + 4 * i + 4]
+            total += cost
+            gradient[places] += own
+            information[np.ix_(places, places)] += known
+        return total, gradient, information
+
+    def _record_slopes(self, a: Numbers, record: int) -> tuple[float, Numbers, Numbers]:
+        """Return -log L, gradient and information of one record."""
+        count = self.common + 4
+        gradient, known = np.zeros(count), np.zeros((count, count))
+        table = self.trials[record].table
+        errors = np.empty((len(table), 4, 2))
+        cost = filter_record(self._system(a, record), table, errors, gradient, known)
+        return float(cost), gradient, np.tril(known) + np.tril(known, -1).T
+
+    def innovations(self, a: Numbers, record: int) -> Numbers:
+        """Return the standardised innovations (n, 4) of a record, NaN where none was read."""
+        trial = self.trials[record]
+        errors = np.empty((len(trial.table), 4, 2))
+        filter_record(self._system(a, record), trial.table, errors, *NO_SLOPES)
+        return np.asarray(errors[:, :, 0] / np.sqrt(errors[:, :, 1]))
+
+    def sail(self, a: Numbers, trial: Trial) -> Numbers:
+        """Return the states (n, 4) by inputs alone, NaN from where it is no ship."""
+        values = np.concatenate([self.values(a, 0)[:-4], first_state(trial)])
+        system = self.constants, self._terms, values, self._places
+        out = np.full((len(trial.table), 4), math.nan)
+        last = sail_record(system, trial.table, out)
+        out[last:] = math.nan
+        return out
+
+    @cached_property
+    def lowest(self) -> Numbers:
+        """Return the lower limits of the parameters, which the errors of readings have alone."""
+        limits = np.full(self.size, -math.inf)
+        with np.errstate(divide="ignore"):
+            limits[self.common - 4 : self.common] = np.log(self.floors)
+        return limits
+
+    def fixing(self, names: tuple[str, ...]) -> "Problem":
+        """Return the problem with some coefficients fixed, at nothing."""
+        kept = [name not in names for name in self.names]
+        return replace(
+            self,
+            model=self.model.without(names),
+            mean=self.mean[kept],
+            width=self.width[kept],
+        )
+
+
+FIRST_ROWS: Final = 11
+
+
+def first_state(trial: Trial) -> Numbers:
+    """Return the first state, by a quadratic through the first readings of each channel."""
+    t, rows = trial.t[:FIRST_ROWS] - trial.t[0], trial.readings[:FIRST_ROWS]
+    state = np.zeros(4)
+    for i in range(4):
+        known = np.isfinite(rows[:, i])
+        if np.count_nonzero(known) > 2:
+            state[i] = np.polyfit(t[known], rows[known, i], 2)[-1]
+        else:
+            seen = trial.readings[np.isfinite(trial.readings[:, i]), i]
+            state[i] = seen[0] if len(seen) else 0.0
+    return state
+
+
+def floors_of(trials: tuple[Trial, ...]) -> Numbers:
+    """Return the smallest errors of readings (4,) that are believed: a share of their spread."""
+    rows = np.vstack([trial.readings for trial in trials])
+    seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
+    spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1.0 for i in range(4)])
+    return np.asarray(FINEST * np.maximum(spread, 1e-12))

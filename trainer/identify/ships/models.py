@@ -1,0 +1,173 @@
+"""Four models of ships that are not linear: coefficients, and what books say.
+
+A coefficient is named by its equation and its term: ``N_vvr`` is the factor of v'^2 r' in the yaw
+equation, an acceleration in prime units (over U^2/L, in yaw over U^2/L^2). ``mmg`` has the rudder
+in the slipstream; ``abkowitz``, ``mavmm`` and ``linear`` have the rudder's angle.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.ship_forces import TERM_ROWS, Terms
+from trainer.identify.ships.ship_file import Dimensions, ShipFile
+
+AXES: Final = "XYN"
+NONLINEAR: Final = ("gamma", "l", "kappa", "c_w", "gamma_a")
+FIXED: Final = {"gamma": 0.5, "l": -0.71, "kappa": 0.5, "c_w": 0.0, "gamma_a": 0.0}
+CUBES: Final = "vvv vvr vrr rrr"
+MODELS: Final[Mapping[str, tuple[str, str]]] = {  # terms of surge; of sway and yaw
+    "linear": ("0 T vv vr rr dd", "0 v r d"),
+    "mavmm": ("0 T vr rr dd", "0 T v r ur d vvd Td"),
+    "abkowitz": ("0 T vv vr rr dd", f"0 v r d {CUBES} vvd Td"),
+    "mmg": ("0 T vv vr rr F", f"0 v r {CUBES} F"),
+}
+WIND: Final = ("X_w", "Y_w", "N_w", "N_ww")
+
+Prior = Mapping[str, tuple[float, float]]  # mean and standard deviation before the strength
+
+# Full tankers, L/B 5.5, C_B 0.81 (model-tests of KVLCC2): the default where a ship file has no form
+TANKER: Final[Prior] = {
+    "X_T": (38.0, 2.0),
+    "X_F": (0.09, 0.05),
+    "X_vv": (0.0, 3.0),
+    "X_vr": (1.6, 1.0),
+    "X_rr": (0.0, 0.3),
+    "X_w": (-0.001, 0.002),
+    "Y_0": (0.0, 0.04),
+    "Y_v": (-0.6, 0.3),
+    "Y_r": (-0.43, 0.15),
+    "Y_vvv": (-3.0, 3.0),
+    "Y_vvr": (-0.4, 1.0),
+    "Y_vrr": (-0.8, 1.0),
+    "Y_rrr": (0.0, 0.5),
+    "Y_F": (-0.2, 0.1),
+    "Y_w": (-0.002, 0.003),
+    "N_0": (0.0, 0.04),
+    "N_v": (-4.4, 1.5),
+    "N_r": (-1.8, 0.8),
+    "N_vvv": (0.0, 3.0),
+    "N_vvr": (-4.6, 4.0),
+    "N_vrr": (0.8, 2.0),
+    "N_rrr": (-0.44, 0.6),
+    "N_F": (1.2, 0.4),
+    "N_w": (0.0, 0.004),
+    "N_ww": (0.0, 0.01),
+    "gamma": (0.5, 0.15),
+    "l": (-0.71, 0.02),
+    "kappa": (0.5, 0.02),
+    "c_w": (0.4, 0.2),
+}
+HULL: Final = tuple(f"{axis}_{term}" for axis in "YN" for term in ("v", "r"))
+SHARE: Final = 0.45  # [-] of a mean by formula that is its standard deviation
+GYRATION: Final = 0.25  # [L] radius of a ship
+THRUST_LEFT: Final = 0.78  # [-] 1-t, of a full ship
+SURGE_WATER: Final = 0.075  # [-] of the mass that moves ahead with it
+HULL_RUDDER: Final = 0.31, 0.46  # a_H and -x_H/L, of a full ship
+RUDDER_ARM: Final = 0.5  # [L]
+
+
+@dataclass(frozen=True)
+class Model:
+    """A model: its coefficients, in the order of the kernels."""
+
+    name: str
+    names: tuple[str, ...]  # factors of terms, then the nonlinear ones
+    free: tuple[str, ...]
+
+    @property
+    def terms(self) -> Terms:
+        """Return axis and row of each factor."""
+        return np.array([_term(name) for name in self.names[: -len(NONLINEAR)]])
+
+    @property
+    def places(self) -> Terms:
+        """Return the places of the free coefficients (p, 1)."""
+        return np.array([self.names.index(name) for name in self.free]).reshape(-1, 1)
+
+    def whole(self, values: Mapping[str, float]) -> Numbers:
+        """Return every coefficient, as the kernels take them; what is not given is fixed."""
+        return np.array([values.get(name, FIXED.get(name, 0.0)) for name in self.names])
+
+    def without(self, names: tuple[str, ...]) -> "Model":
+        """Return the model with some of its free coefficients fixed."""
+        return Model(self.name, self.names, tuple(n for n in self.free if n not in names))
+
+
+def _term(name: str) -> tuple[int, int]:
+    """Return axis and row of the term of a coefficient."""
+    axis, _, term = name.partition("_")
+    own = {"X_F": "X_F", "X_w": "X_w"}.get(name, "1" if term == "0" else term)
+    return AXES.index(axis), TERM_ROWS[own]
+
+
+def model_of(name: str, *, wind: bool) -> Model:
+    """Return the model of that name, with wind where there was some."""
+    surge, others = MODELS[name]
+    factors = [f"X_{term}" for term in surge.split()]
+    factors += [f"{axis}_{term}" for axis in "YN" for term in others.split()]
+    factors += WIND if wind else ()
+    curved = ("gamma", "l", "kappa", "c_w") if name == "mmg" else ()
+    return Model(name, (*factors, *NONLINEAR), (*factors, *curved))
+
+
+def prior_of(model: Model, ship: ShipFile) -> tuple[Prior, str]:
+    """Return what books say of the free coefficients, and which book says it.
+
+    A model without cubes has no book: its slopes are those of the range it was fitted in.
+    """
+    form = kijima(ship.dimensions)
+    whole = {**TANKER, **form}
+    if model.name in ("linear", "mavmm"):
+        whole = {name: one for name, one in whole.items() if name not in HULL}
+    known = {name: whole[name] for name in model.free if name in whole}
+    source = "formulas of Kijima and others 1990, by the ship's form" if form else "full tankers"
+    return known, source
+
+
+def kijima(hull: Dimensions) -> Prior:
+    """Return the coefficients that length, beam, draught and block say; empty without these.
+
+    Kijima, Katsuno, Nakiri and Furukawa 1990 (J Soc Nav Arch Japan 168), even keel, over 1/2 rho L
+    d U^2; N_vrr as published there, with C_B d/B. Masses: 2 C_B B/L, the water's pi d/L in sway (a
+    plate of the draught) and a twelfth of it in yaw: estimates, which only set a weak prior.
+    """
+    B, d, C_B = hull.beam_m, hull.draught_m, hull.block_coefficient
+    if B is None or d is None or C_B is None:
+        return {}
+    L = hull.length_m
+    k, a, e = 2.0 * d / L, C_B * B / L, d * (1.0 - C_B) / B
+    own, water = 2.0 * a, math.pi * d / L
+    sway = own + water
+    yaw = own * GYRATION**2 + water / 12.0
+    found = {
+        "X_T": THRUST_LEFT / (own * d / L * (1.0 + SURGE_WATER)),
+        "Y_v": -(0.5 * math.pi * k + 1.4 * a) / sway,
+        "Y_r": -1.5 * a / sway,
+        "Y_vrr": -5.95 * e / sway,
+        "Y_vvr": (1.5 * d * C_B / B - 0.65) / sway,
+        "N_v": -k / yaw,
+        "N_r": (-0.54 * k + k * k) / yaw,
+        "N_rrr": (0.5 * a - 0.09) / yaw,
+        "N_vrr": (0.5 * d * C_B / B - 0.05) / yaw,
+        "N_vvr": -(57.5 * a * a - 18.4 * a + 1.6) / yaw,
+    }
+    found |= _rudder(hull, sway * L * d, yaw * L * d)
+    least = {name: TANKER[name][1] for name in ("Y_vvr", "Y_vrr", "N_rrr", "N_vrr", "N_vvr")}
+    spread = {name: max(SHARE * abs(mean), least.get(name, 0.0)) for name, mean in found.items()}
+    spread["X_T"] = 0.1 * found["X_T"]
+    return {name: (mean, spread[name]) for name, mean in found.items()}
+
+
+def _rudder(hull: Dimensions, sway: float, yaw: float) -> dict[str, float]:
+    """Return the gains of a rudder of known area and height, by Fujii's slope of lift."""
+    if hull.rudder_area_m2 is None or hull.rudder_height_m is None:
+        return {}
+    ratio = hull.rudder_height_m**2 / hull.rudder_area_m2
+    lift = hull.rudder_area_m2 * 6.13 * ratio / (ratio + 2.25)
+    a_H, x_H = HULL_RUDDER
+    return {"Y_F": -(1.0 + a_H) * lift / sway, "N_F": (RUDDER_ARM + a_H * x_H) * lift / yaw}

@@ -1,0 +1,220 @@
+"""A fitted ship as a page, as a plot, and as a table of coefficients."""
+
+import math
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.ships.results import (
+    OUTPUTS,
+    SCALES,
+    SUSPECT,
+    UNITS,
+    Coefficient,
+    Identified,
+    Report,
+    Untold,
+    residual_accelerations,
+)
+from trainer.io.atomic_write import write_whole
+
+NOISE_UNITS: Final = ("m/s/rt(s)", "m/s/rt(s)", "rad/s/rt(s)", "m/s", "m/s", "rad/s", "rad")
+
+
+def render(report: Report) -> str:
+    """Return the report as text."""
+    lines = [
+        f"IDENTIFICATION OF A SHIP, model {report.model}",
+        f"{INDENT}{cut(report.ship, 70)}, {report.length_m:g} m",
+    ]
+    for source, samples in zip(report.sources, report.samples, strict=True):
+        lines.append(f"{INDENT}{cut(source, 50)}: {samples} samples every {report.interval_s:g} s")
+    strength = f", widths times {report.prior_strength:g}" if report.prior_strength else ""
+    lines += wrap(f"prior: {report.prior}{strength}")
+    if report.findings:
+        lines += ["", f"{INDENT}The record:"]
+        lines += [line for text in report.findings for line in wrap(f"- {text}")]
+    lines += ["", *_coefficient_table(report), "", *_noise_table(report), "", *_fit_lines(report)]
+    lines += ["", *_untold_lines(report), "", *_prediction_table(report)]
+    lines += ["", *_whiteness_lines(report)]
+    for text in report.patterns:
+        lines += wrap(f"- {text}")
+    for test in report.tests:
+        lines += wrap(
+            f"Without {', '.join(test.without)}: 2 log L falls by {test.statistic:.2f}, "
+            f"{test.freedom} of freedom, p {test.probability:.3f}"
+        )
+    return "\n".join(lines)
+
+
+def _coefficient_table(report: Report) -> list[str]:
+    """Return the coefficients with intervals and the prior's shares."""
+    rows = [
+        (
+            one.name,
+            f"{one.value:.5g}",
+            f"{one.deviation:.2g}",
+            f"{one.low:.4g}",
+            f"{one.high:.4g}",
+            f"{100.0 * min(one.prior_share, 1.0):.0f} %",
+        )
+        for one in report.coefficients
+    ]
+    heads = ("coefficient", "estimate", "std dev", "95 %\nfrom", "\nto", "prior's\nshare")
+    return table(heads, rows)
+
+
+def _noise_table(report: Report) -> list[str]:
+    """Return disturbances and errors of readings."""
+
+    def row(one: Coefficient, unit: str) -> tuple[str, ...]:
+        return (one.name, unit, *(f"{x:.3g}" for x in (one.value, one.low, one.high)))
+
+    rows = [row(one, unit) for one, unit in zip(report.noises, NOISE_UNITS, strict=True)]
+    return table(("disturbance, error", "unit", "estimate", "95 %\nfrom", "\nto"), rows)
+
+
+def _fit_lines(report: Report) -> list[str]:
+    """Return whether the search settled, and where the other starts ended."""
+    state = f"settled in {report.steps} steps" if report.settled else "DID NOT SETTLE"
+    lines = [f"{INDENT}Fit {state}: -log L with the prior {report.cost:.4f}"]
+    if not report.settled:
+        lines += wrap(f"A further step promises {report.promise:.2g}: intervals do not hold.")
+    if report.at_floor:
+        lines += wrap(
+            f"At their floor, a ten-thousandth of the spread: {', '.join(report.at_floor)}. "
+            "The readings are smoothed, or the model follows them by its disturbances."
+        )
+    ends = ", ".join(f"{end:.2f}" for end in report.other_starts)
+    return lines + (wrap(f"Other starts ended at {ends}") if ends else [])
+
+
+def _untold_lines(report: Report) -> list[str]:
+    """Return what the records do not tell, in words."""
+    lines = [f"{INDENT}What the record cannot tell"]
+    if not report.untold:
+        lines += wrap("- nothing: each coefficient is told by itself")
+    for one in report.untold:
+        lines += wrap(f"- {_in_words(one)}")
+    if report.from_book:
+        names = ", ".join(report.from_book)
+        lines += wrap(f"- {names}: from the book, not from the record (prior's share above 90 %)")
+    return lines
+
+
+def _in_words(one: Untold) -> str:
+    """Return a combination in words."""
+    names = sorted(one.parts, key=lambda name: -abs(one.parts[name]))
+    if len(names) == 1:
+        return f"{names[0]} by itself (eigenvalue {one.eigenvalue:.1g})"
+    first = one.parts[names[0]]
+    ways = [f"{name} {'rises' if one.parts[name] * first > 0.0 else 'falls'}" for name in names[1:]]
+    return (
+        f"{names[0]} may rise where {' and '.join(ways)}: the record fits as well "
+        f"(eigenvalue {one.eigenvalue:.1g})"
+    )
+
+
+def _prediction_table(report: Report) -> list[str]:
+    """Return how well records are predicted by rudder, revolutions and wind alone."""
+    rows = [
+        (cut(one.source, 30), one.kind, *(figure(x, ".1f") for x in one.explained))
+        for one in report.predictions
+    ]
+    heads = ("predicted by inputs alone,\n% of the variance", "record", *OUTPUTS)
+    lines = table(heads, rows)
+    if not any(one.kind != "fitted" for one in report.predictions):
+        lines += wrap("No record was held back: --predict FILE predicts one that was not fitted.")
+    return lines
+
+
+def _whiteness_lines(report: Report) -> list[str]:
+    """Return the tests of the innovations, and what they mean for the intervals."""
+    rows = [
+        (
+            one.output,
+            f"{one.deviation:.2f}",
+            f"{one.probability:.3f}",
+            f"{one.next_one:+.2f}",
+            f"{one.factor:.2f}" if one.factor > 1.0 else "-",
+        )
+        for one in report.whiteness
+    ]
+    heads = ("innovations\nof", "size, of\nexpected", "white\np", "to the\nnext", "factor")
+    lines = table(heads, rows)
+    bad = [one for one in report.whiteness if one.probability < SUSPECT]
+    if bad:
+        factor = max(one.factor for one in bad)
+        names = ", ".join(one.output for one in bad)
+        lines += wrap(
+            f"- innovations of {names} are not white: stated intervals are too narrow; take them "
+            f"times {max(factor, 1.0):.1f} at least"
+        )
+    return lines
+
+
+def panels(found: Identified) -> tuple[Panel, ...]:
+    """Return the records with their predictions, and residual accelerations against causes."""
+    problem, a = found.fit.problem, found.fit.found.a
+    drawn = []
+    for trial in (*problem.trials, *found.held):
+        sailed = problem.sail(a, trial)
+        for i, output in enumerate(OUTPUTS):
+            curves = (
+                Curve("measured", trial.t, SCALES[i] * trial.readings[:, i], points=True),
+                Curve("by inputs alone", trial.t, SCALES[i] * sailed[:, i]),
+            )
+            title = f"{output}, {Path(trial.source).name}"
+            drawn.append(Panel(title, "time [s]", f"[{UNITS[i]}]", curves))
+    return (*drawn, *_residual_panels(found))
+
+
+def _residual_panels(found: Identified) -> tuple[Panel, ...]:
+    """Return the accelerations left over against v', r' and the rudder."""
+    problem, a = found.fit.problem, found.fit.found.a
+    length = float(problem.constants[0])
+    rows = [(trial, *residual_accelerations(problem, a, trial)) for trial in problem.trials]
+    drawn = []
+    for name in ("v'", "r'", "rudder"):
+        for i, output in enumerate(OUTPUTS[:3]):
+            curves = tuple(
+                Curve(
+                    Path(trial.source).name,
+                    _cause(name, states, trial.inputs, length),
+                    left[:, i],
+                    points=True,
+                )
+                for trial, states, left in rows
+            )
+            unit = "[rad/s^2]" if i == 2 else "[m/s^2]"
+            label = f"{name} [{'deg' if name == 'rudder' else '-'}]"
+            title = f"{output} acceleration left over, against {name}"
+            drawn.append(Panel(title, label, unit, curves, levels=(0.0,)))
+    return tuple(drawn)
+
+
+def _cause(name: str, states: Numbers, inputs: Numbers, length: float) -> Numbers:
+    """Return v', r' or the rudder [deg]."""
+    if name == "rudder":
+        return np.degrees(inputs[:, 0])
+    size = np.hypot(states[:, 0], states[:, 1])
+    return np.asarray(states[:, 1] / size if name == "v'" else states[:, 2] * length / size)
+
+
+def write_coefficients(report: Report, path: Path) -> None:
+    """Write coefficients, standard deviations and covariance as CSV. ConfigError."""
+    p = len(report.coefficients)
+    names = report.covariance_names[:p]
+    lines = [",".join(("name", "value", "deviation", "prior_share", *names))]
+    for one, row in zip(report.coefficients, report.covariance, strict=False):
+        numbers = (one.value, one.deviation, min(one.prior_share, 1.0), *row[:p])
+        lines.append(",".join((one.name, *(repr(x) if math.isfinite(x) else "" for x in numbers))))
+    try:
+        write_whole(path, "\n".join(lines) + "\n")
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be written: {error.strerror}") from error

@@ -1,0 +1,451 @@
+"""The report of a fitted ship: coefficients, untold combinations, predictions, innovations."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError, nearest
+from trainer.core.kernel import Numbers
+from trainer.identify.residuals import LAGS, correlation, portmanteau, ratio_test
+from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, tabulated
+from trainer.identify.ships.likelihood import NOISES, Problem
+from trainer.identify.ships.models import FIXED, NONLINEAR, model_of, prior_of
+from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
+from trainer.identify.ships.ship_file import Result, ShipFile, load_ship
+from trainer.units import KNOT
+
+BAND: Final = 1.96
+BOOK: Final = 0.9  # [-] share of the prior above which a coefficient is the book's
+FAINT: Final = 1e-3  # [-] eigenvalue of the records' scaled information that tells nothing
+PART: Final = 0.3  # [-] of a unit vector: what is smaller is not named
+MOST_DIRECTIONS: Final = 6
+SUSPECT: Final = 0.01
+OUTPUTS: Final = ("surge", "sway", "yaw rate", "heading")
+UNITS: Final = ("m/s", "m/s", "deg/s", "deg")
+SCALES: Final = (1.0, 1.0, 180.0 / math.pi, 180.0 / math.pi)
+SHARE_SEEN: Final = 0.2  # [-] of residual accelerations, from which a pattern is told
+DOUBTED: Final = 0.05  # [-] of a record's yaw acceleration that common coefficients leave: told,
+STRANGERS: Final = 0.3  # ... or refused: two ships. Other mirrors of one ship leave 0.015
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """One coefficient or noise, its interval, and the prior's share of its precision."""
+
+    name: str
+    value: float
+    deviation: float
+    low: float
+    high: float
+    prior_share: float
+
+
+@dataclass(frozen=True)
+class Untold:
+    """A combination that records do not tell: parts of a scaled unit vector."""
+
+    eigenvalue: float
+    parts: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Whiteness:
+    """The innovations of one reading: a portmanteau test, and what intervals are too narrow by."""
+
+    output: str
+    deviation: float  # [-] 1 for what the filter expects
+    probability: float
+    next_one: float  # [-] correlation with the following innovation
+    factor: float  # [-] that standard deviations would take
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """How well a record is predicted by its inputs alone, from its first readings."""
+
+    source: str
+    kind: str  # "fitted", "held back in turn", "held back"
+    explained: tuple[float | None, ...]  # [%] of the variance
+    rms: tuple[float | None, ...]  # [m/s, m/s, deg/s, deg]
+
+
+@dataclass(frozen=True)
+class OrderTest:
+    """The model against one with some coefficients at nothing."""
+
+    without: tuple[str, ...]
+    statistic: float
+    freedom: int
+    probability: float
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer identify`` says about a ship that is not linear."""
+
+    ship: str
+    model: str
+    sources: tuple[str, ...]
+    samples: tuple[int, ...]
+    interval_s: float
+    length_m: float
+    prior: str
+    prior_strength: float
+    findings: tuple[str, ...]
+    settled: bool
+    steps: int
+    promise: float
+    cost: float  # -log L with the prior
+    other_starts: tuple[float, ...]
+    at_floor: tuple[str, ...]  # errors of readings that went to their smallest
+    coefficients: tuple[Coefficient, ...]
+    noises: tuple[Coefficient, ...]
+    from_book: tuple[str, ...]
+    untold: tuple[Untold, ...]
+    whiteness: tuple[Whiteness, ...]
+    predictions: tuple[Prediction, ...]
+    patterns: tuple[str, ...]  # residual accelerations that follow v', r' or the rudder
+    ranges: dict[str, tuple[float, float]]
+    tests: tuple[OrderTest, ...]
+    covariance_names: tuple[str, ...]
+    covariance: tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """A fitted ship and its report."""
+
+    ship: ShipFile
+    fit: Fit
+    report: Report
+    held: tuple[Trial, ...]
+
+
+def carry_out(
+    files: Sequence[Path], options: dict[str, Any], heard: Callable[[int, float], None]
+) -> Identified:
+    """Return a ship fitted to its records. ConfigError for what cannot be.
+
+    ``options`` are those of ``trainer identify``.
+    """
+    if options["ship"] is None:
+        raise ConfigError(
+            f"--model {options['model']} needs --ship FILE, a file of the ship's dimensions"
+        )
+    ship, every = load_ship(options["ship"]), int(options["every"] or 1)
+    trials = tuple(load_trial(path, ship, every) for path in files)
+    trials = tuple(_between(trial, options["begin"], options["end"]) for trial in trials)
+    held = tuple(load_trial(path, ship, every) for path in options["predict"])
+    model = model_of(options["model"], wind=any(trial.windy for trial in trials))
+    prior, source = prior_of(model, ship)
+    strength = float(options["prior_strength"])
+    problem, begin = pose(model, ship.constants, trials, prior, strength)
+    doubts = tuple(_strangers(problem, begin))
+    fitted = fit(problem, begin, heard)
+    if not math.isfinite(fitted.found.cost):
+        raise ConfigError(
+            f"{trials[0].source}: no start is a ship that sails this record: look at units and "
+            "signs of the columns, and at the dimensions"
+        )
+    told = source if strength > 0.0 else "none"
+    report = _report(ship, fitted, (told, strength), held)
+    report = replace(report, findings=(*report.findings, *doubts))
+    if options["without"]:
+        report = replace(report, tests=(_test_without(fitted, tuple(options["without"])),))
+    return Identified(_result(ship, fitted, report), fitted, report, held)
+
+
+def _between(trial: Trial, begin: float | None, end: float | None) -> Trial:
+    """Return the part of a record from ``begin`` to ``end`` [s]."""
+    low = -math.inf if begin is None else begin
+    high = math.inf if end is None else end
+    inside = (trial.t >= low) & (trial.t <= high)
+    if inside.all():
+        return trial
+    if np.count_nonzero(inside) < LAGS + 2:
+        raise ConfigError(
+            f"{trial.source}: fewer than {LAGS + 2} samples from {low:g} s to {high:g} s; "
+            f"it has {trial.t[0]:g} s to {trial.t[-1]:g} s"
+        )
+    table = np.ascontiguousarray(trial.table[inside])
+    return replace(trial, t=trial.t[inside], table=table)
+
+
+def _strangers(problem: Problem, begin: Numbers) -> Iterator[str]:
+    """Yield which record may not be of one ship with the others; ConfigError if it cannot be.
+
+    Yaw accelerations that the regression leaves of all records together are compared with those
+    that are left when each record has its own coefficients.
+    """
+    if len(problem.trials) < 2:
+        return
+    for trial in problem.trials:
+        own, start = pose(problem.model, problem.constants, [trial], {}, 0.0)
+        _, rates = smooth(trial, problem.constants[0])
+        more = _left_in_yaw(problem, begin, trial) - _left_in_yaw(own, start, trial)
+        share = more / max(float(np.var(rates[:, 2])), 1e-300)
+        if share > DOUBTED:
+            told = (
+                f"{trial.source}: row 1 on: coefficients in common with the other records leave "
+                f"{share:.0%} more of its yaw acceleration than its own: is it of another ship, "
+                "loading, sign or unit? Fit ships one by one, each with its own file"
+            )
+            if share > STRANGERS:
+                raise ConfigError(told)
+            yield told
+
+
+def _left_in_yaw(problem: Problem, a: Numbers, trial: Trial) -> float:
+    """Return the mean square of the yaw accelerations that coefficients leave."""
+    return float(np.mean(residual_accelerations(problem, a, trial)[1][:, 2] ** 2))
+
+
+def residual_accelerations(problem: Problem, a: Numbers, trial: Trial) -> tuple[Numbers, Numbers]:
+    """Return smoothed u, v, r (n, 3), and accelerations (n, 3) that the model leaves."""
+    states, rates = smooth(trial, problem.constants[0])
+    whole = problem.model.whole(problem.coefficients(a))
+    terms = problem.model.terms
+    table = tabulated(problem.constants, states, trial.inputs, whole[-len(NONLINEAR) :])
+    made = np.zeros_like(rates)
+    for (axis, row), factor in zip(terms, whole, strict=False):
+        made[:, axis] += factor * table[:, row]
+    made[:, 2] /= problem.constants[0]
+    return states, rates - made
+
+
+def explained(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
+    """Return the share of variance explained [%] and the rms error of each channel (4,)."""
+    with np.errstate(all="ignore"):
+        error = y - predicted
+        known = np.isfinite(y).any(axis=0)
+        lost = np.isnan(predicted).any()
+        square = np.where(known, np.nanmean(np.where(known, error, 0.0) ** 2, axis=0), math.nan)
+        spread = np.where(known, np.nanvar(np.where(known, y, 0.0), axis=0), math.nan)
+    share = np.full(4, math.nan) if lost else 100.0 * (1.0 - square / np.maximum(spread, 1e-300))
+    return share, np.sqrt(square) * SCALES
+
+
+def predict(problem: Problem, a: Numbers, trial: Trial, kind: str) -> Prediction:
+    """Return how well a record is predicted by its inputs alone."""
+    share, rms = explained(trial.readings, problem.sail(a, trial))
+    return Prediction(trial.source, kind, _known(share), _known(rms))
+
+
+def _known(values: Numbers) -> tuple[float | None, ...]:
+    """Return numbers, None for those that are none."""
+    return tuple(float(x) if math.isfinite(x) else None for x in values)
+
+
+def _predictions(fitted: Fit, held: tuple[Trial, ...]) -> tuple[Prediction, ...]:
+    """Return the predictions of the records fitted, of each held back in turn, of others."""
+    problem, trials = fitted.problem, fitted.problem.trials
+    found = [predict(problem, fitted.found.a, trial, "fitted") for trial in trials]
+    if len(trials) > 1:
+        for i, trial in enumerate(trials):
+            rest, end = _without_record(fitted, i)
+            found.append(predict(rest, end.a, trial, "held back in turn"))
+    return (*found, *(predict(problem, fitted.found.a, trial, "held back") for trial in held))
+
+
+def _without_record(fitted: Fit, left_out: int) -> tuple[Problem, Found]:
+    """Return the fit without one record, searched from that with all."""
+    problem, common = fitted.problem, fitted.problem.common
+    kept = [i for i in range(len(problem.trials)) if i != left_out]
+    rest = replace(problem, trials=tuple(problem.trials[i] for i in kept))
+    firsts = [fitted.found.a[common + 4 * i : common + 4 * i + 4] for i in kept]
+    begin = np.concatenate([fitted.found.a[:common], *firsts])
+    return rest, search(rest, begin, lambda *_: None)
+
+
+def _coefficients(fitted: Fit) -> tuple[Coefficient, ...]:
+    """Return the common parameters; noises by their size, not its logarithm."""
+    found = []
+    problem = fitted.problem
+    for j, name in enumerate(problem.names):
+        value, deviation = float(fitted.a[j]), float(fitted.deviations[j])
+        low, high = value - BAND * deviation, value + BAND * deviation
+        if name in NOISES:
+            value, low, high = (math.exp(min(x, 700.0)) for x in (value, low, high))
+            deviation *= value
+        share = float(fitted.prior_share[j])
+        found.append(Coefficient(name, value, deviation, low, high, share))
+    return tuple(found)
+
+
+def untold(fitted: Fit) -> tuple[Untold, ...]:
+    """Return the combinations of coefficients that the records tell least, first states out."""
+    problem = fitted.problem
+    p = len(problem.model.free)
+    H = _marginal(fitted.information, p)
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
+    sizes, vectors = np.linalg.eigh(H * np.outer(unit, unit))
+    found = []
+    for size, vector in zip(sizes[:MOST_DIRECTIONS], vectors.T, strict=False):
+        if size < FAINT:
+            turned = vector * np.sign(vector[int(np.argmax(np.abs(vector)))])
+            parts = {
+                name: float(x)
+                for name, x in zip(problem.model.free, turned, strict=True)
+                if abs(x) > PART
+            }
+            found.append(Untold(float(max(size, 0.0)), parts))
+    return tuple(found)
+
+
+def _marginal(H: Numbers, kept: int) -> Numbers:
+    """Return the information of the first parameters, the others being unknown."""
+    A, B, D = H[:kept, :kept], H[:kept, kept:], H[kept:, kept:]
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(D), 1e-300))
+    scaled = unit[:, None] * np.linalg.pinv(D * np.outer(unit, unit), rcond=1e-12) * unit
+    return np.asarray(A - B @ scaled @ B.T)
+
+
+def _whiteness(fitted: Fit) -> tuple[Whiteness, ...]:
+    """Return the tests of the innovations of all records, those of one after another's."""
+    rows = [
+        fitted.problem.innovations(fitted.found.a, i) for i in range(len(fitted.problem.trials))
+    ]
+    gap = np.full((LAGS, 4), math.nan)
+    joined = np.vstack([part for each in rows for part in (each, gap)])
+    found = []
+    for i, output in enumerate(OUTPUTS):
+        values = joined[:, i]
+        count = int(np.count_nonzero(np.isfinite(values)))
+        if count < 2 * LAGS:
+            continue
+        own = correlation(values - np.nanmean(values), LAGS)
+        test = portmanteau(own, count, LAGS)
+        longer = 1.0 + 2.0 * float(np.sum(own[1:])) if test.probability < SUSPECT else 1.0
+        deviation = float(np.sqrt(np.nanmean(values**2)))
+        factor = deviation * math.sqrt(max(longer, 1.0))
+        found.append(
+            Whiteness(output, deviation, test.probability, float(own[1]), max(factor, 1.0))
+        )
+    return tuple(found)
+
+
+def _patterns(fitted: Fit) -> tuple[str, ...]:
+    """Return in words where residual accelerations follow v', r' or the rudder."""
+    problem, texts = fitted.problem, []
+    rows = [residual_accelerations(problem, fitted.found.a, trial) for trial in problem.trials]
+    states = np.vstack([one for one, _ in rows])
+    left = np.vstack([one for _, one in rows])
+    size = np.hypot(states[:, 0], states[:, 1])
+    causes = {
+        "v'": states[:, 1] / size,
+        "r'": states[:, 2] * problem.constants[0] / size,
+        "rudder": np.concatenate([trial.inputs[:, 0] for trial in problem.trials]),
+    }
+    for i, output in enumerate(OUTPUTS[:3]):
+        for name, cause in causes.items():
+            share = _explained_by(cause, left[:, i])
+            if share > SHARE_SEEN:
+                texts.append(
+                    f"{output}: {share:.0%} of the acceleration left over follows {name} "
+                    "(a cubic): a term may be missing"
+                )
+    return tuple(texts)
+
+
+def _explained_by(cause: Numbers, values: Numbers) -> float:
+    """Return the share of the variance of values that a cubic of their cause explains [-]."""
+    unit = cause / max(float(np.max(np.abs(cause))), 1e-300)
+    powers = np.column_stack([unit**n for n in range(4)])
+    found, *_ = np.linalg.lstsq(powers, values, rcond=None)
+    return 1.0 - float(np.var(values - powers @ found) / max(float(np.var(values)), 1e-300))
+
+
+def _test_without(fitted: Fit, names: tuple[str, ...]) -> OrderTest:
+    """Return the test of the model against one with coefficients at nothing. ConfigError."""
+    problem = fitted.problem
+    for name in names:
+        if name not in problem.model.free:
+            known = problem.model.free
+            raise ConfigError(
+                f"--without {name}: no such coefficient{nearest(name, known)}; "
+                f"there are {', '.join(known)}"
+            )
+        if name in FIXED and FIXED[name] != 0.0:
+            raise ConfigError(
+                f"--without {name}: it cannot be nothing; it is {FIXED[name]:g} in books"
+            )
+    small = problem.fixing(names)
+    kept = [name not in names for name in problem.names] + [True] * 4 * len(problem.trials)
+    end = search(small, fitted.found.a[kept], lambda *_: None)
+    counts = small.size, problem.size
+    test = ratio_test((-end.cost, counts[0]), (-fitted.found.cost, counts[1]))
+    return OrderTest(names, test.statistic, test.freedom[0], test.probability)
+
+
+def _report(
+    ship: ShipFile, fitted: Fit, prior: tuple[str, float], held: tuple[Trial, ...]
+) -> Report:
+    """Return all that there is to say."""
+    problem, trials = fitted.problem, fitted.problem.trials
+    told = _coefficients(fitted)
+    p = len(problem.model.free)
+    steps = np.concatenate([np.diff(trial.t) for trial in trials])
+    length = float(problem.constants[0])
+    return Report(
+        ship=ship.name,
+        model=problem.model.name,
+        sources=tuple(trial.source for trial in trials),
+        samples=tuple(len(trial.t) for trial in trials),
+        interval_s=float(np.median(steps)),
+        length_m=length,
+        prior=prior[0],
+        prior_strength=prior[1],
+        findings=tuple(notes_of(trials)),
+        settled=fitted.settled,
+        steps=fitted.found.steps,
+        promise=fitted.found.promise,
+        cost=fitted.found.cost,
+        other_starts=fitted.others[1:],
+        at_floor=tuple(
+            name
+            for name, value, low in zip(problem.names, fitted.a, problem.lowest, strict=False)
+            if value <= low
+        ),
+        coefficients=told[:p],
+        noises=told[p:],
+        from_book=tuple(one.name for one in told[:p] if one.prior_share > BOOK),
+        untold=untold(fitted),
+        whiteness=_whiteness(fitted),
+        predictions=_predictions(fitted, held),
+        patterns=_patterns(fitted),
+        ranges=turned_ranges(trials, length),
+        tests=(),
+        covariance_names=problem.names,
+        covariance=tuple(
+            tuple(map(float, row[: problem.common])) for row in fitted.covariance[: problem.common]
+        ),
+    )
+
+
+def _result(ship: ShipFile, fitted: Fit, report: Report) -> ShipFile:
+    """Return the ship's file with the result, which sails."""
+    problem = fitted.problem
+    names = problem.model.names
+    whole = dict(
+        zip(names, map(float, problem.model.whole(problem.coefficients(fitted.a))), strict=True)
+    )
+    rows = np.vstack([trial.table for trial in problem.trials])
+    p = len(problem.model.free)
+    result = Result(
+        model=problem.model.name,
+        speed_kn=round(float(np.nanmax(rows[:, 0])) / KNOT, 4),
+        revolutions_per_s=float(np.median(rows[:, 5])),
+    )
+    return replace(
+        ship,
+        sensors=None,
+        result=result,
+        coefficients=whole,
+        covariance=fitted.covariance[:p, :p],
+        uncertain=problem.model.free,
+        ranges=report.ranges,
+    )

@@ -1,0 +1,260 @@
+"""The file of a ship: dimensions, columns of records, and a fit's result.
+
+One form serves both ways: what is written before a fit, and what a fit writes, which sails.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.files import (
+    ConfigError,
+    Place,
+    as_table,
+    collecting,
+    nearest,
+    parse_toml,
+    read_text,
+)
+from trainer.config.schema import (
+    Choice,
+    Quantities,
+    Quantity,
+    Rows,
+    Text,
+    above,
+    of,
+    optional,
+    read_record,
+    tables_of,
+    usual,
+    within,
+)
+from trainer.core.kernel import Numbers
+from trainer.identify.sources import Sensors
+
+SCHEMA: Final = "ship/1"
+FEET: Final = 500.0  # [m] the longest ship is shorter
+UNIT_NAMES: Final = "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, 1/s rpm"
+CHANNELS: Final = (
+    *("t", "rudder", "revolutions", "speed", "sway", "yaw_rate", "heading"),
+    *("north_velocity", "east_velocity", "wind_speed", "wind_from"),
+    *("wind_ahead", "wind_starboard"),
+)
+LARGE: Final = within(-1e9, 1e9)
+RANGES: Final = ("v", "r", "rudder", "speed")  # v' and r' [-], [rad], [m/s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShipHeading:
+    """The name of a ship."""
+
+    schema: str = of(Choice((SCHEMA,), "form of the file"))
+    name: str = of(Text(79, "name shown"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dimensions:
+    """A ship and its propeller."""
+
+    length_m: float = of(Quantity("m", within(0.1, FEET), "between perpendiculars"))
+    propeller_diameter_m: float = of(Quantity("m", within(0.01, 15), "of one propeller"))
+    wake_fraction: float = of(Quantity("-", within(0, 0.8), "w: the propeller meets (1-w) u"))
+    thrust: tuple[float, ...] = of(
+        Quantities(Quantity("-", within(-5, 5), "K_T = k0 + k1 J + k2 J^2"), 3, 3)
+    )
+    beam_m: float | None = optional(Quantity("m", within(0.05, 100), "for the prior"))
+    draught_m: float | None = optional(Quantity("m", within(0.01, 40), "for the prior"))
+    block_coefficient: float | None = optional(Quantity("-", within(0.3, 0.95), "for the prior"))
+    rudder_area_m2: float | None = optional(Quantity("m^2", above(0, 500), "for the prior"))
+    rudder_height_m: float | None = optional(Quantity("m", above(0, 30), "for the prior"))
+    rudder_limit_deg: float = usual(35.0, Quantity("deg", within(1, 90), "limit; else 35"))
+    rudder_rate_deg_s: float = usual(
+        2.32, Quantity("deg/s", within(0.01, 1000), "rate; else 2.32, of a full-size ship")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Records:
+    """How the ship's records are meant."""
+
+    positive_rudder: str | None = optional(
+        Choice(("port", "starboard"), "way a positive rudder turns the ship; else port")
+    )
+    current: str | None = optional(
+        Choice(("none",), "said where velocities are over ground, and the water stood still")
+    )
+    interval_s: float | None = optional(
+        Quantity("s", within(1e-4, 3600), "from row to row, instead of the times")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShipColumn:
+    """Where one channel of a record is found; columns of the trainer need none."""
+
+    channel: str = of(Choice(CHANNELS, "what it is"))
+    column: str = of(Text(80, "heading of the column"))
+    unit: str | None = optional(Text(8, f"{UNIT_NAMES}; else that of the heading"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """The fit that a file holds."""
+
+    model: str = of(Choice(("linear", "mavmm", "abkowitz", "mmg"), "model"))
+    speed_kn: float = of(Quantity("kn", within(0.01, 60), "at which manoeuvres begin"))
+    revolutions_per_s: float = of(Quantity("1/s", within(-50, 50), "that keep it there"))
+
+
+COLUMNS: Final = Rows(ShipColumn, ("note",), 0, len(CHANNELS), "columns, below")
+TABLES: Final = {"dimensions": Dimensions, "records": Records, "sensors": Sensors, "result": Result}
+NUMBER: Final = Quantity("-", LARGE, "coefficient")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShipFile:
+    """A ship as its file tells it; without a result it cannot sail."""
+
+    path: Path
+    name: str
+    dimensions: Dimensions
+    records: Records
+    sensors: Sensors | None
+    columns: tuple[ShipColumn, ...]
+    result: Result | None = None
+    coefficients: Mapping[str, float] = field(default_factory=dict)
+    covariance: Numbers | None = None  # of the coefficients that are ``uncertain``
+    uncertain: tuple[str, ...] = ()
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def constants(self) -> Numbers:
+        """Return length, propeller diameter, K_T's three numbers and 1-w, as the kernels do."""
+        hull = self.dimensions
+        return np.array(
+            [hull.length_m, hull.propeller_diameter_m, *hull.thrust, 1.0 - hull.wake_fraction]
+        )
+
+
+def is_ship(path: Path) -> bool:
+    """Return whether a TOML file is of a ship. ConfigError if it is no TOML."""
+    return parse_toml(read_text(path), path.name).get("schema") == SCHEMA
+
+
+def load_ship(path: Path) -> ShipFile:
+    """Return the ship in a file; ConfigError with all that is wrong."""
+    return parse_ship(read_text(path), path)
+
+
+def parse_ship(text: str, path: Path) -> ShipFile:
+    """Return the ship in ``text``, which came from ``path``; ConfigError with all faults."""
+    place, table = Place(path.name, ""), parse_toml(text, path.name)
+    known = ("schema", "name", *TABLES, "columns", *("coefficients", "covariance", "ranges"))
+    problems = [
+        place.wrong(key, value, f"no such key{nearest(key, known)}")
+        for key, value in table.items()
+        if key not in (*known, "note", "source")
+    ]
+    parts: dict[str, Any] = {"sensors": None, "result": None}
+    own = {key: table[key] for key in ("schema", "name") if key in table}
+    with collecting(problems):
+        parts["name"] = read_record(ShipHeading, own, place, ()).name
+    for key, record in TABLES.items():
+        if key in table or key in ("dimensions", "records"):
+            with collecting(problems):
+                given = table.get(key, {} if key == "records" else None)
+                if given is None:
+                    raise ConfigError(place.problem(f"lacks [{key}]"))
+                parts[key] = read_record(record, given, place.inside(key), ("note",))
+    with collecting(problems):
+        parts["columns"] = COLUMNS.read("columns", table.get("columns", []), place)
+    if "result" in table:
+        with collecting(problems):
+            parts |= _numbers(table, place)
+    if problems:
+        raise ConfigError(*(_with_feet(problem) for problem in problems))
+    return ShipFile(path=path, **parts)
+
+
+def _with_feet(problem: str) -> str:
+    """Return a problem; beside a length that is too long, what it may be."""
+    if "length_m" in problem and f"to {FEET:g}" in problem:
+        return f"{problem}; is it in feet? 1 m is 3.281 feet"
+    return problem
+
+
+def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
+    """Return coefficients, covariance and ranges of a result; ConfigError if one is wrong."""
+    given = {
+        key: as_table(table.get(key, {}), place.inside(key))
+        for key in ("coefficients", "covariance", "ranges")
+    }
+    found = {
+        name: NUMBER.read(name, value, place.inside("coefficients"))
+        for name, value in given["coefficients"].items()
+    }
+    if not found:
+        raise ConfigError(place.problem("[result] needs [coefficients]"))
+    rows = given["covariance"]
+    names = tuple(rows)
+    inside = place.inside("covariance")
+    line = Quantities(NUMBER, max(len(names), 1), max(len(names), 1))
+    matrix = np.array([line.read(name, row, inside) for name, row in rows.items()])
+    strange = [name for name in names if name not in found]
+    if strange:
+        raise ConfigError(inside.problem(f"{strange[0]} is no coefficient of the file"))
+    pair = Quantities(Quantity("-", LARGE, "range"), 2, 2)
+    ranges = {
+        name: (low, high)
+        for name, value in given["ranges"].items()
+        for low, high in [pair.read(name, value, place.inside("ranges"))]
+    }
+    return {
+        "coefficients": found,
+        "covariance": matrix if names else None,
+        "uncertain": names,
+        "ranges": ranges,
+    }
+
+
+def ship_text(ship: ShipFile, source: str) -> str:
+    """Return the text of a ship's file."""
+    lines = [f'schema = "{SCHEMA}"', f'name = "{ship.name}"', f'source = "{source}"']
+    lines += _table_lines("dimensions", ship.dimensions)
+    lines += _table_lines("records", ship.records)
+    for column in ship.columns:
+        lines += _table_lines("[columns]", column)
+    if ship.result is not None:
+        lines += _table_lines("result", ship.result)
+        lines += ["", "[coefficients]  # accelerations in prime units"]
+        lines += [f"{name} = {value!r}" for name, value in ship.coefficients.items()]
+        lines += ["", "[ranges]  # seen in the records: v', r' [-], rudder [rad], speed [m/s]"]
+        lines += [f"{name} = [{low:.6g}, {high:.6g}]" for name, (low, high) in ship.ranges.items()]
+    if ship.covariance is not None:
+        lines += ["", "[covariance]  # rows in the order of the names"]
+        for name, row in zip(ship.uncertain, ship.covariance, strict=True):
+            lines.append(f"{name} = [{', '.join(f'{x:.9g}' for x in row)}]")
+    return "\n".join(lines) + "\n"
+
+
+def _table_lines(name: str, record: Any) -> list[str]:
+    """Return a record as the lines of a table."""
+    lines = ["", f"[{name}]"]
+    for item in fields(record):
+        value = getattr(record, item.name)
+        if value is None or value == ():
+            continue
+        text = f"[{', '.join(map(repr, value))}]" if isinstance(value, tuple) else repr(value)
+        lines.append(f"{item.name} = {text.replace(chr(39), chr(34))}")
+    return lines if len(lines) > 2 else []
+
+
+def key_tables() -> str:
+    """Return the Markdown tables of every key, as docs/nonlinear-ships.md shows them."""
+    whole: dict[str, type[Any]] = {"": ShipHeading, **TABLES, "[columns]": ShipColumn}
+    del whole["sensors"]
+    return tables_of(whole)

@@ -1,0 +1,263 @@
+"""An identified ship under the orders of a manoeuvre, with its uncertainty."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.analysis.manoeuvres.flight import Flight
+from trainer.analysis.manoeuvres.page import Report, fly_vehicle, format_measure
+from trainer.analysis.manoeuvres.page import render as render_flight
+from trainer.analysis.manoeuvres.vehicle import Control, LostError, Measure
+from trainer.analysis.report.text import table, wrap
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.extended_filter import sail_record
+from trainer.identify.kernels.ship_forces import ROWS, add_terms, set_terms
+from trainer.identify.ships.models import NONLINEAR, model_of
+from trainer.identify.ships.ship_file import ShipFile
+from trainer.units import KNOT
+
+COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")
+STEP: Final = 0.025  # [L/U] of a cycle
+STEADY_STEPS: Final = 60  # of Newton, to speed held straight
+CLOSE: Final = 1e-10
+NONE_FREE: Final = np.empty((0, 1), np.int64)
+DRAWS: Final = 100
+FEWEST_DRAWS: Final = 20  # of a long manoeuvre,
+MOST_CYCLES: Final = 600_000  # so that all of them together take no more
+MOST_LOST: Final = 0.5  # [-] of the draws
+BEYOND: Final = 1.05  # [-] of the range seen, from which it is told
+
+
+class IdentifiedShip:
+    """A ship that is not linear, of a file that a fit has written."""
+
+    columns = COLUMNS
+
+    def __init__(self, ship: ShipFile, step: float | None = None) -> None:
+        """Take the ship's numbers; ConfigError if no fit has given it any."""
+        if ship.result is None:
+            raise ConfigError(
+                f"{ship.path.name}: lacks [result] and [coefficients]: fit it first, "
+                "trainer identify RECORD --model mmg --ship FILE --write-ship FOUND"
+            )
+        self.name = ship.name
+        self.length = ship.dimensions.length_m
+        self.file, self.result = ship, ship.result
+        usual = STEP * self.length / (self.result.speed_kn * KNOT)
+        self.step = step or float(f"{usual:.1g}")
+        self._model = model_of(self.result.model, wind="N_ww" in ship.coefficients)
+        missing = [name for name in self._model.names if name not in ship.coefficients]
+        if missing:
+            raise ConfigError(f"{ship.path.name}: [coefficients] lacks {', '.join(missing)}")
+        self._terms, self._constants = self._model.terms, ship.constants
+        self._whole = np.array([ship.coefficients[name] for name in self._model.names])
+        self._limit = math.radians(ship.dimensions.rudder_limit_deg)
+        self._state, self._place = np.zeros(4), np.zeros(2)
+        self._record, self._out = np.zeros((2, 10)), np.empty((2, 4))
+        self._values = np.concatenate([self._whole, np.zeros(7 + 4)])
+        self._neutral = self._rudder = self._ordered = self._turns = self._time = 0.0
+
+    @property
+    def speed_kn(self) -> float:
+        """Return the speed [kn] at which manoeuvres begin."""
+        return self.result.speed_kn
+
+    @property
+    def controls(self) -> Mapping[str, Control]:
+        """Return the limits of the rudder; its propeller is not known astern."""
+        return {"rudder": Control(-self._limit, self._limit)}
+
+    def start(self, speed: float) -> None:
+        """Begin anew, straight ahead at ``speed`` [m/s]; ConfigError if nothing holds it there."""
+        sway, rudder, turns = self._steady(speed)
+        self._state = np.array([speed, sway, 0.0, 0.0])
+        self._place = np.zeros(2)
+        self._neutral = self._rudder = self._ordered = rudder
+        self._turns, self._time = turns, 0.0
+
+    def _rates(self, state: Numbers, rudder: float, turns: float) -> Numbers:
+        """Return du/dt, dv/dt and dr/dt in no wind."""
+        work, out = np.empty((ROWS, 1)), np.empty((3, 1))
+        inputs = np.array([rudder, turns, 0.0, 0.0])
+        set_terms(work, self._constants, state, inputs, self._whole[-len(NONLINEAR) :])
+        add_terms(work, self._terms, self._whole, self.length, out)
+        return np.array(out[:, 0])
+
+    def _steady(self, speed: float) -> tuple[float, float, float]:
+        """Return sway [m/s], rudder [rad] and revolutions [1/s] of straight motion, by Newton."""
+        scale = np.array([speed, 1.0, self.result.revolutions_per_s or 1.0])
+        found = np.array([0.0, 0.0, scale[2] * speed / (self.result.speed_kn * KNOT)])
+
+        def rates(z: Numbers) -> Numbers:
+            return self._rates(np.array([speed, z[0], 0.0]), z[1], z[2])
+
+        unit = np.array([1.0, 1.0, self.length]) * self.length / speed**2
+        for _ in range(STEADY_STEPS):
+            left = unit * rates(found)
+            if np.max(np.abs(left)) < CLOSE:
+                break
+            aside = 1e-6 * scale
+            J = np.column_stack(
+                [
+                    unit * (rates(found + e) - rates(found - e)) / (2.0 * e.sum())
+                    for e in np.diag(aside)
+                ]
+            )
+            try:
+                move = np.linalg.solve(J, left)
+            except np.linalg.LinAlgError:
+                break
+            found = found - move / max(1.0, float(np.max(np.abs(move) / (0.3 * scale))))
+        good = np.max(np.abs(unit * rates(found))) < 1e3 * CLOSE and abs(found[1]) < self._limit
+        if not good or not np.isfinite(found).all():
+            raise ConfigError(
+                f"{self.name}: nothing holds it straight at {speed / KNOT:.4g} kn; "
+                f"it was identified at {self.result.speed_kn:.4g} kn"
+            )
+        return float(found[0]), float(found[1]), float(found[2])
+
+    def incline(self, heel: float) -> None:
+        """Do nothing: the model has no roll."""
+
+    def order(self, control: str, value: float) -> None:
+        """Order the rudder [rad], positive to starboard, from its neutral angle."""
+        del control
+        self._ordered = min(max(self._neutral + value, -self._limit), self._limit)
+
+    def keep(self, quantity: str) -> None:
+        """Do nothing: revolutions are held, and there is no depth."""
+
+    def observe(self) -> tuple[float, ...]:
+        """Return the columns as they stand, SI and radians; the rudder positive to port."""
+        u, v, r, psi = map(float, self._state)
+        x, y = map(float, self._place)
+        return (self._time, u, v, r, x, y, psi, -self._rudder, self._turns)
+
+    def advance(self) -> None:
+        """Advance by one step of Runge and Kutta; LostError if it is lost."""
+        h = self.step
+        most = math.radians(self.file.dimensions.rudder_rate_deg_s) * h
+        before, state = self._rudder, self._state
+        self._rudder += min(max(self._ordered - before, -most), most)
+        record, out, values = self._record, self._out, self._values
+        record[0, 4], record[1, 4] = before, self._rudder
+        record[0, 5] = record[1, 5] = self._turns
+        record[0, 8], record[0, 9] = h, 1.0
+        values[-4:] = state
+        system = self._constants, self._terms, values, NONE_FREE
+        if sail_record(system, record, out) < 2:
+            raise LostError(f"{self.name} is no ship under way after {self._time:g} s")
+        self._state = out[1].copy()
+        u, v, _, psi = (0.5 * (state + self._state)).tolist()
+        self._place[0] += h * (u * math.cos(psi) - v * math.sin(psi))
+        self._place[1] += h * (u * math.sin(psi) + v * math.cos(psi))
+        self._time += h
+
+
+def draws(ship: ShipFile, count: int, seed: int = 1) -> Iterator[ShipFile]:
+    """Yield ships drawn from what the records leave open."""
+    if ship.covariance is None:
+        return
+    sizes, vectors = np.linalg.eigh(ship.covariance)
+    root = vectors * np.sqrt(np.maximum(sizes, 0.0))
+    middle = np.array([ship.coefficients[name] for name in ship.uncertain])
+    stream = np.random.default_rng(seed)
+    for _ in range(count):
+        values = middle + root @ stream.standard_normal(len(middle))
+        drawn = dict(zip(ship.uncertain, map(float, values), strict=True))
+        yield replace(ship, coefficients={**ship.coefficients, **drawn})
+
+
+@dataclass(frozen=True)
+class Interval:
+    """The range of a measure for 95 % of the ships drawn, SI."""
+
+    name: str
+    unit: str
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True)
+class ShipReport(Report):
+    """The report of a manoeuvre, with what the ship's uncertainty makes of it."""
+
+    intervals: tuple[Interval, ...] = ()
+    draws: int = 0  # ships drawn, and how many of them were lost
+    draws_lost: int = 0
+
+
+def fly_ship(ship: ShipFile, name: str, options: Mapping[str, Any]) -> tuple[ShipReport, Flight]:
+    """Return report and flight of a manoeuvre, with intervals by ships drawn."""
+    vehicle = IdentifiedShip(ship, options["step"])
+    report, flight = fly_vehicle(vehicle, name, options, vehicle.speed_kn)
+    drawn, lost = [], 0
+    count = min(max(MOST_CYCLES // max(len(flight.t), 1), FEWEST_DRAWS), DRAWS)
+    for other in draws(ship, count):
+        try:
+            flown, _ = fly_vehicle(
+                IdentifiedShip(other, vehicle.step), name, options, vehicle.speed_kn
+            )
+        except ConfigError:
+            lost += 1
+            continue
+        lost += bool(flown.lost)
+        if not flown.lost:
+            drawn.append({one.name: one.value for one in flown.measures})
+    own = {item.name: getattr(report, item.name) for item in fields(Report)}
+    own["notices"] = (*report.notices, *_beyond(ship, flight))
+    intervals = tuple(_interval(one, drawn) for one in report.measures) if drawn else ()
+    return ShipReport(**own, intervals=intervals, draws=len(drawn) + lost, draws_lost=lost), flight
+
+
+def _interval(one: Measure, drawn: list[dict[str, float | None]]) -> Interval:
+    """Return where 95 % of the drawn ships have a measure; None where half have none."""
+    values = [value for each in drawn if (value := each.get(one.name)) is not None]
+    if one.value is None or len(values) < MOST_LOST * len(drawn):
+        return Interval(one.name, one.unit, None, None)
+    low, high = np.percentile(values, (2.5, 97.5))
+    return Interval(one.name, one.unit, float(low), float(high))
+
+
+def _beyond(ship: ShipFile, flight: Flight) -> Iterator[str]:
+    """Yield where a manoeuvre leaves what the records saw."""
+    u, v, r = (flight.column(name) for name in ("u", "v", "r"))
+    size, length = np.hypot(u, v), ship.dimensions.length_m
+    flown = {
+        "v": ("v'", v / size, "-"),
+        "r": ("r'", r * length / size, "-"),
+        "rudder": ("the rudder", -flight.column("delta_r"), "deg"),
+        "speed": ("the speed", u, "m/s"),
+    }
+    for key, (name, values, unit) in flown.items():
+        if key not in ship.ranges:
+            continue
+        factor = 180.0 / math.pi if unit == "deg" else 1.0
+        low, high = (factor * end for end in ship.ranges[key])
+        least, most = factor * float(values.min()), factor * float(values.max())
+        slack = (BEYOND - 1.0) * max(abs(low), abs(high))
+        if least < low - slack or most > high + slack:
+            yield (
+                f"{name} goes from {least:.3g} to {most:.3g} {unit}; the records saw {low:.3g} to "
+                f"{high:.3g}: beyond it the polynomials are not known"
+            ).replace(" -;", ";")
+
+
+def render(report: ShipReport) -> str:
+    """Return the report as text, with the intervals."""
+    plain = replace(report, intervals=())
+    text = render_flight(plain)
+    if not report.intervals:
+        return text
+    rows = []
+    for one in report.intervals:
+        low, unit = format_measure(Measure(one.name, one.unit, one.low))
+        high, _ = format_measure(Measure(one.name, one.unit, one.high))
+        rows.append((one.name, low, high, unit))
+    lost = f", {report.draws_lost} of them lost" if report.draws_lost else ""
+    lines = wrap(f"Where 95 % of {report.draws} ships lie, drawn from the covariance{lost}:")
+    return "\n".join([text, "", *lines, *table(("measure", "from", "to", "unit"), rows)])
