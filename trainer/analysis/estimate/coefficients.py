@@ -52,6 +52,7 @@ FACTORS: Final = {  # those not fitted, which a draw varies as well
     "out_of_plane": 1.0,
     "roll_damping": 1.0,
     "roll_drag": 1.0,
+    "resistance": 1.0,
 }
 
 
@@ -335,8 +336,7 @@ def cross_flow(hull: Hull, constants: Constants) -> Values:
     ):
         drag = Strips(C, X, width, along, fins)
         found |= dict(zip(names, drag.fitted(MIXED * constants["mixed"]), strict=True))
-    for name in ("M_waw", "Z_waq"):  # bow up is positive, and X w is not: q turns the other way
-        found[name] = -found[name]
+    found["M_waw"] = -found["M_waw"]  # M is -X Z; where q takes part it turns the other way too
     found["K_vav"] = -C * integral(s.height * s.centre, s.x) / L**3
     found["K_pap"] = 0.0
     for area, panel in plates:
@@ -452,7 +452,7 @@ Part = Callable[[Hull, Constants], Values]
 def coefficients(hull: Hull, constants: Constants) -> Values:
     """Return all 131 coefficients of a hull, those of no formula zero."""
     given = FACTORS | dict(constants)
-    drag = resistance(hull)
+    drag = given["resistance"] * resistance(hull)
     bare = bare_masses(hull, given["added_mass"])
     found = dict.fromkeys((term.key for term in COEFFICIENTS), 0.0)
     masses = add(bare, panel_masses(hull))
