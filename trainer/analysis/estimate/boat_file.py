@@ -11,13 +11,14 @@ from trainer.analysis.estimate.coefficients import (
     PLATE,
     Hull,
     cross_flow_drag,
+    hull_of,
     on_both,
     plate_mass,
     resistance,
     revolutions,
     strip_masses,
 )
-from trainer.analysis.estimate.geometry import integral
+from trainer.analysis.estimate.geometry import integral, panels_of_surface
 from trainer.analysis.estimate.uncertainty import Estimate, estimate, outside, rests, thrust_of
 from trainer.analysis.check import EQUATIONS, round_speeds
 from trainer.analysis.gains import design
@@ -25,8 +26,8 @@ from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
 from trainer.boat.stability import responses, stable_at
 from trainer.config.coefficients import AXES
-from trainer.config.files import ConfigError, format_key
-from trainer.config.hull import BOW, X, HullFile, defaulted
+from trainer.config.files import ConfigError, format_key, path_named
+from trainer.config.hull import BOW, X, defaulted, load_hull
 from trainer.config.vessel import VesselFile, parse_vessel
 from trainer.config.vessel_template import toml_value
 from trainer.core.kernel import Numbers
@@ -56,6 +57,61 @@ WIDE_STRIPS: Final = 5  # of the hull beyond the range of the coefficients
 DEPTH: Final = 0.85  # [lengths] of the start
 SHALLOWEST: Final = 5.0  # [m] of it
 FIRST: Final = "schema"  # the key that a vessel file begins with
+
+
+MASS_SLACK: Final = 0.3  # of the mass against the displaced
+
+
+def load(name_or_path: str) -> Hull:
+    """Return the shipped hull of that name, or the one in that file; ConfigError if it is wrong."""
+    return checked(hull_of(load_hull(path_named(name_or_path, "hulls"))))
+
+
+def checked(hull: Hull) -> Hull:
+    """Return the hull; ConfigError with all that its shape and its panels forbid."""
+    problems = [*_mass_problems(hull), *_panel_problems(hull), *_propeller_problems(hull)]
+    if problems:
+        raise ConfigError(*problems)
+    return hull
+
+
+def _mass_problems(hull: Hull) -> Iterator[str]:
+    """Yield what keeps the mass from being that of this hull."""
+    given, displaced = hull.file.mass.mass, hull.file.water.rho * hull.shape.volume
+    if given is not None and abs(given / displaced - 1.0) > MASS_SLACK:
+        told = (
+            f"must be rho V = {displaced:.6g} kg within {MASS_SLACK:.0%}, "
+            f"{(1.0 - MASS_SLACK) * displaced:.6g} to {(1.0 + MASS_SLACK) * displaced:.6g} kg"
+        )
+        yield hull.file.place.inside("mass").wrong("mass", given, told)
+
+
+def _panel_problems(hull: Hull) -> Iterator[str]:
+    """Yield which panels lie inside the hull, or move more than they have."""
+    for i, surface in enumerate(hull.file.surfaces):
+        place = hull.file.place.inside(f"surfaces[{i}]")
+        panel = next(each for each in panels_of_surface(surface, hull.shape))
+        if panel.span <= 0.0:
+            told = f"must be above the hull's radius there, {panel.root:.4g} m"
+            yield place.wrong("tip_radius", surface.tip_radius, told)
+        elif surface.moving_area is not None and surface.moving_area > panel.area * (1.0 + 1e-9):
+            told = f"must be at most the panel's area, {panel.area:.4g} m2"
+            yield place.wrong("moving_area", surface.moving_area, told)
+
+
+def _propeller_problems(hull: Hull) -> Iterator[str]:
+    """Yield what keeps the propeller from driving this hull."""
+    p = hull.file.propeller
+    if p is None:
+        return
+    place = hull.file.place.inside("propeller")
+    widest = float(max(hull.shape.breadth.max(), hull.shape.height.max()))
+    if p.diameter > widest:
+        told = f"must be at most the hull's greatest breadth, {widest:.4g} m"
+        yield place.wrong("diameter", p.diameter, told)
+    elif revolutions(hull, resistance(hull)) is None:
+        told = "no revolutions give the thrust that the hull needs; usual is [0.45, -0.36, -0.09]"
+        yield place.wrong("KT", list(p.KT), told)
 
 
 def digits(value: float) -> float:
@@ -379,3 +435,36 @@ def stable_steps(file: VesselFile) -> list[float]:
             for flown, scheme in zip(flights, schemes, strict=True)
         )
     ]
+
+
+STUDY: Final = """\
+# Bands of a turn: draws of all coefficients of an estimated boat. Any other manoeuvre, or an
+# exercise, may stand in the place of the turn: docs/sweeps.md.
+schema = "sweep/1"
+name = "Turns of an estimated boat"
+vessel = {boat}
+measures = ["advance", "tactical diameter", "steady diameter"]
+
+[method]
+equations = "full"
+
+[manoeuvre]
+name = "turning-circle"
+angle_deg = {rudder:g}
+
+[sample]
+plan = "monte-carlo"
+members = 200
+seed = 1
+
+[[vary]]
+name = "draw"
+key = "vessel"
+distribution = "estimate"
+"""
+
+
+def study_text(boat: str, rudder: float) -> str:
+    """Return a study of turns of draws of a boat; ``rudder`` in degrees."""
+    name = boat if "/" in boat else f"./{boat}"
+    return STUDY.format(boat=toml_value(name), rudder=rudder)

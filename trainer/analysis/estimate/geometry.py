@@ -283,10 +283,10 @@ class Panel:
 
 def panels_of(file: HullFile, shape: Shape) -> tuple[Panel, ...]:
     """Return every panel of a file."""
-    return tuple(panel for surface in file.surfaces for panel in _panels(surface, shape))
+    return tuple(panel for surface in file.surfaces for panel in panels_of_surface(surface, shape))
 
 
-def _panels(surface: Panels, shape: Shape) -> Iterator[Panel]:
+def panels_of_surface(surface: Panels, shape: Shape) -> Iterator[Panel]:
     """Yield the panels of one surface."""
     tip_leading = surface.le_tip
     if tip_leading is None:
@@ -295,7 +295,7 @@ def _panels(surface: Panels, shape: Shape) -> Iterator[Panel]:
         angle = math.radians(degrees)
         root = root_radius(surface, shape, angle)
         whole = 0.5 * (surface.root_chord + surface.tip_chord) * (surface.tip_radius - root)
-        moving = 1.0 if surface.moving_area is None else surface.moving_area / whole
+        moving = 1.0 if surface.moving_area is None or whole <= 0.0 else surface.moving_area / whole
         panel = Panel(
             name=surface.name,
             control=surface.control,
