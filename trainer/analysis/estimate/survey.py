@@ -17,16 +17,13 @@ from trainer.analysis.estimate.boat_file import (
 )
 from trainer.analysis.estimate.coefficients import cross_flow_drag, hull_of
 from trainer.analysis.estimate.uncertainty import drawn_tables, outside
-from trainer.analysis.manoeuvres.catalogue import adjust
-from trainer.analysis.manoeuvres.submarine import LAWS, Rig, Submarine
-from trainer.analysis.sweep import fleets
-from trainer.analysis.sweep.manoeuvres import fly_together
-from trainer.analysis.sweep.script import script_of
+from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.submarine import Rig, Submarine
+from trainer.analysis.manoeuvres.turns import Turn
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError, parse_toml
 from trainer.config.hull import TABLES, HullFile, Panels, defaulted, read_hull
 from trainer.config.vessel import VesselFile, read_vessel
-from trainer.core.autopilot.steering import REPORT
 from trainer.units import KNOT
 
 MEASURES: Final = ("steady diameter", "tactical diameter", "advance", "steady speed, of the first")
@@ -34,11 +31,12 @@ BANDS: Final = {"68 %": (16.0, 84.0), "95 %": (2.5, 97.5)}
 HALF: Final = 0.5  # of the limit, the rudder in the turn
 RUN: Final = 60.0  # [lengths] of the turn, at its first speed
 LONGEST: Final = 20_000  # [ticks] of it, at any step
+SHORTEST: Final = 10.0  # [s]
 CHANGE: Final = 0.1  # of an input, up and down
 SHIFT: Final = 0.01  # [lengths] of a place, aft and forward
 PLACES: Final = ("le_root", "cg_from_nose")  # what is shifted
 FOLLOWS: Final = {"le_root": "le_tip"}  # what is shifted with it
-NOT_VARIED: Final = ("reference_length", "le_tip", "design_kn", "length", "nose_exponent")
+NOT_VARIED: Final = ("reference_length", "le_tip", "design_kn", "length", "rho", "nu")
 MOST_INPUTS: Final = 10
 REVERSAL: Final = 0.7  # of the design speed: a stern plane reversal above it is told
 SLACK: Final = 0.02  # of the mass against the displaced
@@ -144,29 +142,23 @@ def _drawn_files(written: Written, draws: int) -> Iterator[VesselFile]:
 
 
 def fly_turns(files: Sequence[VesselFile], rudder: float) -> list[dict[str, float] | None]:
-    """Return the measures of each boat's turn, None of one that cannot; ``rudder`` in rad.
+    """Return the measures of each boat's turn, None of one that cannot; ``rudder`` in rad."""
+    return [_fly_turn(file, rudder) for file in files]
 
-    All are flown at the step of the first.
-    """
-    first = files[0]
-    method = Method("full", "lagged", "exact", "adams2", first.run.step_s)
-    boat = Submarine(first, method, Rig("own", "own", "trainer"))
-    speed = first.run.start_speed_kn * KNOT
-    time = min(RUN * first.hull.length / speed, LONGEST * method.step)
-    given: dict[str, float | str] = {"angle": math.degrees(rudder), "duration": max(time, 10.0)}
-    turn = adjust("turning-circle", boat, given)
-    script = script_of(turn, method.step, boat.controls)
-    if script is None:
-        raise ConfigError(f"{first.path.name}: the turn cannot be written down")
-    speeds = np.full(len(files), speed)
-    own = [(file, turn) for file in files]
-    law = LAWS["trainer"] if boat.boat.automatic else max(LAWS["trainer"], REPORT)
-    found: list[dict[str, float] | None] = [None] * len(files)
-    made = fleets.by_files(files, method)
-    for i, flight in fly_together(made, method, speeds, law, own, [script] * len(files)):
-        told = {one.name: one.value for one in turn.measures(flight)}
-        found[i] = {name: told[name] for name in MEASURES if told[name] is not None}
-    return found
+
+def _fly_turn(file: VesselFile, rudder: float) -> dict[str, float] | None:
+    """Return the measures of a turn by the full set, None if it cannot be flown."""
+    method = Method("full", "lagged", "exact", "adams2", file.run.step_s)
+    speed = file.run.start_speed_kn * KNOT
+    time = min(RUN * file.hull.length / speed, LONGEST * method.step)
+    turn = Turn(angle_deg=math.degrees(rudder), duration_s=max(time, SHORTEST))
+    boat = Submarine(file, method, Rig("own", "own", "trainer"))
+    try:
+        flight = fly(boat, turn, speed)
+    except ConfigError:
+        return None
+    told = {one.name: one.value for one in turn.measures(flight)}
+    return None if flight.lost else {name: told[name] for name in MEASURES if told[name] is not None}
 
 
 def _band(name: str, unit: str, value: float | None, drawn: Sequence[float]) -> Band:

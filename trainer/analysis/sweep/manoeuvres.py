@@ -1,6 +1,6 @@
 """Members fly a manoeuvre in fleets where orders are known, else one by one."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -84,38 +84,6 @@ def fly_case(case: Case) -> tuple[Manoeuvre, Flight]:
     boat = Submarine(case.file, case.method, case.rig)
     manoeuvre = manoeuvre_of(case, boat)
     return manoeuvre, fly(boat, manoeuvre, speed_of(case))
-
-
-def fly_together(
-    made: fleets.Made,
-    method: Method,
-    speeds: "Numbers",
-    law: float,
-    own: Sequence[tuple[VesselFile, Manoeuvre]],
-    scripts: Sequence[Script],
-) -> Iterator[tuple[int, Flight]]:
-    """Yield place and flight of members with scripts alike, of those that fly well; ``speeds`` m/s.
-
-    ``own`` has the file and the manoeuvre of each.
-    """
-    ready = fleets.start_members(made, method, speeds, law, own[0][1].needs)
-    schedule = fleets.join_scripts(ready, made, scripts)
-    flight = fly_members(ready.fleet, schedule, scripts[0].ticks, 1, PLACED)
-    t = method.step * np.arange(scripts[0].ticks + 1.0)
-    steep = np.abs(flight.rows[:, :, PLACED.index("theta")]) > STEEPEST
-    for i in map(int, np.flatnonzero(ready.fit & (flight.lost < 0) & ~steep.any(axis=1))):
-        columns = {"t": t, **{name: flight.rows[i, :, k] for k, name in enumerate(PLACED)}}
-        yield (
-            i,
-            Flight(
-                speed=float(speeds[i]),
-                length=own[i][0].hull.length,
-                step=method.step,
-                series=Series(Path(own[i][0].name), columns),
-                marks=scripts[i].marks,
-                lost="",
-            ),
-        )
 
 
 TOGETHER, ALONE = 512, 16  # members of a chunk
@@ -260,10 +228,25 @@ class Manoeuvring:
         else:
             made = fleets.by_files([one.file for one, _ in own], case.method)
         speeds = np.array([speed_of(one) for one, _ in own])
-        names = [(each.file, manoeuvre) for each, manoeuvre in own]
-        flown = fly_together(made, case.method, speeds, self._law(case), names, written)
-        for i, seen in flown:
-            yield places[i], read_off(self.outputs, seen, own[i][1].measures(seen))
+        ready = fleets.start_members(made, case.method, speeds, self._law(case), self.trial.needs)
+        schedule = fleets.join_scripts(ready, made, written)
+        flight = fly_members(ready.fleet, schedule, written[0].ticks, 1, PLACED)
+        t = case.method.step * np.arange(written[0].ticks + 1.0)
+        steep = np.abs(flight.rows[:, :, PLACED.index("theta")]) > STEEPEST
+        good = ready.fit & (flight.lost < 0) & ~steep.any(axis=1)
+        named = Path(case.file.name)
+        for i in np.flatnonzero(good):
+            each, manoeuvre = own[i]
+            columns = {"t": t, **{name: flight.rows[i, :, k] for k, name in enumerate(PLACED)}}
+            seen = Flight(
+                speed=float(speeds[i]),
+                length=each.file.hull.length,
+                step=each.method.step,
+                series=Series(named, columns),
+                marks=written[i].marks,
+                lost="",
+            )
+            yield places[i], read_off(self.outputs, seen, manoeuvre.measures(seen))
 
     def _law(self, case: Case) -> float:
         """Return the law of depth keeping; without gains the report's."""
