@@ -66,7 +66,7 @@ def test_coefficients_are_those_of_an_independent_prototype(name: str) -> None:
     found = coefficients(hull(name), fitted())
 
     for key, (value, _) in PRINTED[name].items():
-        digits = 2.01 if key in ("Y_v", "Z_w") else 1.01
+        digits = 2.1 if key in ("Y_v", "Z_w") else 1.01
         assert found[key] == pytest.approx(float(value), abs=digits * last_digit(value)), key
 
 
@@ -193,7 +193,7 @@ def test_an_x_tail_is_a_cruciform_one_turned() -> None:
 def test_command_speed_is_the_speed_reached(name: str) -> None:
     c = coefficients(hull(name), fitted())
 
-    assert c["a1"] + c["b1"] + c["c1"] == pytest.approx(0.0, abs=1e-18)
+    assert c["a1"] + c["b1"] + c["c1"] == pytest.approx(0.0, abs=1e-16)
     assert c["c1"] > 0.0 > c["c3"]
 
 
@@ -263,7 +263,7 @@ def test_draws_keep_pairs_of_added_mass_and_the_sign_of_damping() -> None:
     assert all(draw[twin] == draw[key] for draw in draws for twin, key in PAIRS.items())
     for key in ("Y_v", "N_r", "Z_w", "M_q", "Y_vav", "N_rar", "Y_dr"):
         assert all(draw[key] * made.values[key] > 0.0 for draw in draws), key
-    assert all(abs(draw["a1"] + draw["b1"] + draw["c1"]) < 1e-18 for draw in draws)
+    assert all(abs(draw["a1"] + draw["b1"] + draw["c1"]) < 1e-16 for draw in draws)
 
 
 def test_draws_spread_as_their_deviations_say() -> None:

@@ -52,6 +52,7 @@ BELLS: Final = {  # shares of the design speed; own estimates
 }
 SLOWEST, FASTEST = 0.4, 1.2  # [design speeds] between which gains are made
 STEPS: Final = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002)  # [s] tried, the longest first
+FINE: Final = 0.1  # lengths run in a step, at most
 STRIPS: Final = 7  # of the hull in waves
 WIDE_STRIPS: Final = 5  # of the hull beyond the range of the coefficients
 DEPTH: Final = 0.85  # [lengths] of the start
@@ -185,8 +186,8 @@ def _propulsion(made: Estimate) -> dict[str, Any]:
             "KQ": [*p.KQ],
         }
     rows = [{k: digits(x) for k, x in row.items()} for row in thrust_of(made.values)]
-    ahead = rows[0]
-    ahead["a"] = -(ahead["b"] + ahead["c"])  # the sum is zero to the last bit
+    for row in rows:  # the sum is zero to the last bit, and the rows join
+        row["a"] = -(rows[0]["b"] + rows[0]["c"])
     return {
         **table,
         "dead_time_s": digits(DEAD_TIME * scale),
@@ -427,10 +428,12 @@ def stable_steps(file: VesselFile) -> list[float]:
         method = Method(equations, "lagged", "exact", "adams2", file.run.step_s)
         flights.append(responses(Boat(file, method), speeds).values())
         schemes.append(scheme_record(method))
+    most = FINE * file.hull.length / (file.run.start_speed_kn * KNOT)
     return [
         step
         for step in STEPS
-        if all(
+        if step <= max(most, STEPS[-1])
+        and all(
             stable_at(flown, scheme, step)
             for flown, scheme in zip(flights, schemes, strict=True)
         )

@@ -405,11 +405,10 @@ def revolutions(hull: Hull, drag: float) -> float | None:
     if p is None:
         return None
     second, first, rest = _thrust_terms(hull)
-    rest -= drag
-    root = first * first - 4.0 * second * rest * hull.ell**4
+    root = first * first - 4.0 * second * (rest - drag)
     if second <= 0.0 or root < 0.0:
         return None
-    g = (-first * hull.ell**2 + math.sqrt(root)) / (2.0 * second * hull.ell**2)
+    g = (math.sqrt(root) - first) / (2.0 * second)
     return g if g > 0.0 else None
 
 
@@ -434,7 +433,6 @@ def propulsion(hull: Hull, drag: float) -> Values:
     if p is not None and g is not None:
         second, first, rest = _thrust_terms(hull)
         a, b, c = rest - drag, first * g, second * g * g
-        a = -(b + c)  # the root leaves the last bit
         astern = ASTERN * c
         J = (1.0 - p.wake) / (g * p.diameter)
         KQ = p.KQ[0] + p.KQ[1] * J + p.KQ[2] * J * J
