@@ -14,12 +14,13 @@ from trainer.analysis.estimate.survey import Band, Influence
 from trainer.analysis.report.svg import Axis, rect, rule, step_of, svg, text, ticks
 from trainer.core.kernel import Numbers
 
-WIDTH: Final = 960.0  # [px]
-EDGE: Final = 34.0  # [px] beside the hull
+WIDTH: Final = 640.0  # [px]
+EDGE: Final = 20.0  # [px] beside the hull
 ROOM: Final = 26.0  # [px] above each view
 AXIS: Final = 30.0  # [px] below each view
-EVERY: Final = 8  # stations a point of the outline
-ROW, BARS_LEFT, BARS_WIDTH = 26.0, 190.0, 560.0  # [px] of a bar chart
+EVERY: Final = 2  # stations a point of the outline
+BROAD: Final = 0.3  # share of a panel that a view shows: less is seen edge on, and not named
+ROW, BARS_LEFT, BARS_WIDTH, BARS_EDGE = 26.0, 150.0, 340.0, 40.0  # [px] of a bar chart
 LETTER: Final = 6.2  # [px] about as wide as one
 
 
@@ -91,7 +92,7 @@ def _view(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
         points = "L".join(paper.point(*corner) for corner in corners)
         moves = "" if panel.control == "none" else " moves"
         yield f'<path class="panel{moves}" d="M{points}Z"/>'
-        if panel.name not in named:
+        if panel.name not in named and abs(panel.normal[k - 1]) > BROAD:
             named.add(panel.name)
             yield _name(panel.name, corners, paper)
     yield from _centres(hull, view, paper)
@@ -164,13 +165,13 @@ def draw_bands(bands: tuple[Band, ...]) -> Markup:
         parts.append(rule("estimate", x, y - 3.0, x, y + 17.0))
     bottom = 8.0 + ROW * len(there)
     parts += _bar_axis(across, bottom, there[0].unit)
-    return svg("Bands of the figures", (WIDTH - 150.0, bottom + 24.0), parts)
+    return svg("Bands of the figures", (BARS_LEFT + BARS_WIDTH + BARS_EDGE, bottom + 24.0), parts)
 
 
 def _bar_axis(across: Axis, bottom: float, unit: str) -> Iterator[str]:
     """Yield the axis of a bar chart."""
     yield rule("axis", across.begin, bottom, across.end, bottom)
-    for value in ticks(across.low, across.high, step_of(across.high - across.low, 8)):
+    for value in ticks(across.low, across.high, step_of(across.high - across.low, 6)):
         x = across.at(value)
         yield rule("axis", x, bottom, x, bottom + 4.0)
         yield text("tick middle", x, bottom + 16.0, f"{value + 0.0:g}")
@@ -183,8 +184,8 @@ def draw_influences(found: tuple[Influence, ...]) -> Markup:
     if not found:
         return Markup()
     most = 100.0 * max(one.size for one in found) or 1.0
-    left = BARS_LEFT + 60.0
-    across = Axis(-most, most, left, left + BARS_WIDTH - 60.0)
+    left = BARS_LEFT + 20.0
+    across = Axis(-most, most, left, left + BARS_WIDTH - 20.0)
     parts: list[str] = []
     for i, one in enumerate(found):
         y = 8.0 + ROW * i
@@ -195,4 +196,4 @@ def draw_influences(found: tuple[Influence, ...]) -> Markup:
     bottom = 8.0 + ROW * len(found)
     parts.append(rule("axis", across.at(0.0), 4.0, across.at(0.0), bottom))
     parts += _bar_axis(across, bottom, "%")
-    return svg("What moves the turn most", (WIDTH - 150.0, bottom + 24.0), parts)
+    return svg("What moves the turn most", (BARS_LEFT + BARS_WIDTH + BARS_EDGE, bottom + 24.0), parts)

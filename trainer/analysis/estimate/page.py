@@ -140,6 +140,11 @@ def _scrolled(drawn: Markup) -> Markup:
     return Markup('<div class="wide drawing">{}</div>').format(drawn)
 
 
+def _bars(drawn: Markup) -> Markup:
+    """Return a bar chart, which is small enough for a narrow screen."""
+    return Markup('<div class="bars">{}</div>').format(drawn)
+
+
 def _hull_words(written: Written) -> Markup:
     """Return what the drawing shows."""
     shape = written.made.hull.shape
@@ -161,7 +166,7 @@ def _warnings(found: Survey) -> Markup:
 def _margins(found: Survey) -> Markup:
     """Return the margins of stability with their bands."""
     words = "Margins of stability; above 0 the boat is stable by itself."
-    drawn = _scrolled(draw_bands(found.margins))
+    drawn = _bars(draw_bands(found.margins))
     return Markup().join(
         [paragraph(words), table(HEADS, map(band_row, found.margins)), drawn, _legend()]
     )
@@ -178,7 +183,7 @@ def _turn(found: Survey) -> Iterator[Markup]:
     """Yield the turn with its bands."""
     yield paragraph(turn_title(found))
     yield table(HEADS, map(band_row, found.turn))
-    yield _scrolled(draw_bands(tuple(band for band in found.turn if band.unit == "m")))
+    yield _bars(draw_bands(tuple(band for band in found.turn if band.unit == "m")))
     yield _legend()
 
 
@@ -190,7 +195,7 @@ def _inputs(found: Survey) -> Iterator[Markup]:
     yield paragraph("Change of the steady diameter [%] when one input alone is changed.")
     heads = ("input", "value", "changed by", "lower", "higher")
     yield table(heads, map(influence_row, found.influences))
-    yield _scrolled(draw_influences(found.influences))
+    yield _bars(draw_influences(found.influences))
     yield paragraph("Upper bar: the input lower; bar under it: higher.", "soft")
 
 
