@@ -138,7 +138,7 @@ class Water:
 class Speed:
     """The speed that the boat is made for, and its resistance."""
 
-    design_kn: float = of(Quantity("kn", above(0.0, 60.0), "for resistance and the bells"))
+    design_kn: float = of(Quantity("kn", above(0.0, 50.0), "for resistance and the bells"))
     roughness: float = usual(0.0004, _number("-", 0.0, 0.005, "added to friction; else 0.0004"))
     extra_drag_area: float = usual(
         0.0, _number("m2", 0.0, 100.0, "C_d A of openings, masts, brackets; else 0")

@@ -107,13 +107,13 @@ def _outline(x: Numbers, above: Numbers, below: Numbers, paper: Paper) -> str:
 
 
 def _name(name: str, corners: list[tuple[float, float]], paper: Paper) -> str:
-    """Return the name of a surface inside its outline, or before it where the edge is near."""
+    """Return the name of a surface above its outline, or before it where the edge is near."""
     x = sum(corner[0] for corner in corners) / 4.0
-    z = sum(corner[1] for corner in corners) / 4.0
+    z = max(corner[1] for corner in corners)
     at = paper.along.at(x)
     room = LETTER * len(name) / 2.0
     style = "name end" if at + room > WIDTH else "name middle"
-    return text(style, min(at, WIDTH - 2.0) if "end" in style else at, paper.up.at(z) + 4.0, name)
+    return text(style, min(at, WIDTH - 2.0) if "end" in style else at, paper.up.at(z) - 4.0, name)
 
 
 def _centres(hull: Hull, view: str, paper: Paper) -> Iterator[str]:

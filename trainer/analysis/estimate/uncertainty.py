@@ -264,11 +264,24 @@ def thrust_of(drawn: Mapping[str, float]) -> Iterator[dict[str, float]]:
         yield {"eta_min": least, **{name: drawn[f"{name}{row}"] for name in "abc"}}
 
 
+def _drawn_row(
+    row: Mapping[str, Any], estimated: Mapping[str, float], drawn: Mapping[str, float]
+) -> dict[str, Any]:
+    """Return a thrust row of the file in the ratio of a draw to the estimate."""
+    place = "1" if row["eta_min"] >= 0.0 else "3"
+    ratios = {
+        name: drawn[f"{name}{place}"] / estimated[f"{name}{place}"]
+        for name in "abc"
+        if estimated[f"{name}{place}"] != 0.0
+    }
+    return {**row, **{name: row[name] * ratio for name, ratio in ratios.items()}}
+
+
 def drawn_tables(made: Estimate, table: Mapping[str, Any], number: int) -> dict[str, Any]:
     """Return the tables of a vessel with a draw of its coefficients in them."""
     drawn = made.draw(number)
     own = {key: value for key, value in drawn.items() if key not in THRUST}
-    rows = table["propulsion"]["sets"] if number == 0 else list(thrust_of(drawn))
+    rows = [_drawn_row(row, made.estimated, drawn) for row in table["propulsion"]["sets"]]
     return {
         **table,
         "coefficients": own,
