@@ -195,7 +195,11 @@ def test_every_usual_value_of_the_skeleton_is_the_one_taken() -> None:
 
 
 BAD = [  # a part of the file, what takes its place, and what is told
-    ("length = 20.0", "length = 20.0\nlenght = 3", r"\[hull\] lenght = 3: no such key; nearest is length"),
+    (
+        "length = 20.0",
+        "length = 20.0\nlenght = 3",
+        r"\[hull\] lenght = 3: no such key; nearest is length",
+    ),
     ("[mass]", "[masses]", r"masses = .*: no such key; nearest is mass"),
     ("length = 20.0\n", "", r"\[hull\] lacks length"),
     ("[speed]\ndesign_kn = 8.0\n", "", "lacks speed"),
@@ -222,7 +226,11 @@ BAD = [  # a part of the file, what takes its place, and what is told
     ('control = "stern"', 'control = "sterm"', r"must be none or stern or rudder or bow or x"),
     ("cb_above_cg = 0.12", "cg_from_nose = 2.0", r"cg_from_nose = 2.0: .* middle 60 %, 4 to 16 m"),
     ("cb_above_cg = 0.12", "cb_above_cg = -0.1", r"cb_above_cg = -0.1: must not be below 0 m"),
-    ("cb_above_cg = 0.12", "mass = 20000.0", r"mass = 20000.0: must be rho V = 71\d+ kg within 30%"),
+    (
+        "cb_above_cg = 0.12",
+        "mass = 20000.0",
+        r"mass = 20000.0: must be rho V = 71\d+ kg within 30%",
+    ),
     ("diameter = 1.3", "diameter = 1.3\nwake = 0.7", r"wake = 0.7: must be 0 to 0.6"),
     ("diameter = 1.3", "diameter = 1.3\nthrust_deduction = -0.1", r"must be 0 to 0.6"),
     ("diameter = 1.3", "diameter = 1.3\nKT = [-0.1, 0.0, 0.0]", r"KT = .*no revolutions"),
@@ -256,7 +264,11 @@ def test_a_hull_of_more_than_a_megabyte_is_not_read(tmp_path: Path) -> None:
 
 
 WARNED = [
-    ("cb_above_cg = 0.12", "mass = 80000.0\ncb_above_cg = 0.1", "mass = 80000 kg, the hull displaces 71"),
+    (
+        "cb_above_cg = 0.12",
+        "mass = 80000.0\ncb_above_cg = 0.1",
+        "mass = 80000 kg, the hull displaces 71",
+    ),
     ("cb_above_cg = 0.12\n", "", "cb_above_cg is taken as 0.12 m"),
     ("breadth = 2.4", "breadth = 2.4\nheight = 1.6", "breadth/height is 1.5"),
     ("design_kn = 8.0", "design_kn = 45.0", "is it in knots"),

@@ -292,12 +292,11 @@ def defaulted(file: HullFile) -> tuple[str, ...]:
         if given is None:
             found.append(name)
             continue
-        shape = ("stations", "breadth", "height", "nose_length", "nose_exponent", "tail")
-        skipped = _skipped(file) if name == "hull" else ()
+        skipped = ("stations", *_skipped(file)) if name == "hull" else ()
         found += [
             f"{name}.{key}"
             for key in record.__dataclass_fields__
-            if key not in given and key not in skipped and not (key in shape[:1])
+            if key not in given and key not in skipped
         ]
     return tuple(found)
 

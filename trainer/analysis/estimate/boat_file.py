@@ -3,10 +3,12 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
 from trainer import __version__
+from trainer.analysis.check import EQUATIONS, round_speeds
 from trainer.analysis.estimate.coefficients import (
     PLATE,
     Hull,
@@ -20,7 +22,6 @@ from trainer.analysis.estimate.coefficients import (
 )
 from trainer.analysis.estimate.geometry import integral, panels_of_surface
 from trainer.analysis.estimate.uncertainty import Estimate, estimate, outside, rests, thrust_of
-from trainer.analysis.check import EQUATIONS, round_speeds
 from trainer.analysis.gains import design
 from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
@@ -156,7 +157,7 @@ def _body(made: Estimate) -> dict[str, Any]:
     breadth, height = float(s.breadth.max()), float(s.height.max())
     above = STABILITY * height if given.cb_above_cg is None else given.cb_above_cg
     pitch = mass * (PITCH_RADIUS * hull.ell) ** 2 if given.Iy is None else given.Iy
-    table = {
+    table: dict[str, Any] = {
         "length": hull.ell,
         "mass": mass,
         "weight": mass * GRAVITY,
@@ -258,10 +259,7 @@ def _strip_widths(hull: Hull) -> list[float]:
     """Return the breadths of five equal strips from aft [-], over their mean."""
     s = hull.shape
     edges = [s.length * (1.0 - i / WIDE_STRIPS) for i in range(WIDE_STRIPS + 1)]
-    means = [
-        _between(hull, s.breadth, fore, aft) / (aft - fore)
-        for aft, fore in zip(edges, edges[1:], strict=False)
-    ]
+    means = [_between(hull, s.breadth, fore, aft) / (aft - fore) for aft, fore in pairwise(edges)]
     return [WIDE_STRIPS * each / sum(means) for each in means]
 
 
@@ -290,7 +288,7 @@ def _waves(made: Estimate) -> dict[str, Any]:
         return {}
     across, down = strip_masses(s)
     edges = [s.length * i / STRIPS for i in range(STRIPS + 1)]
-    parts = list(zip(edges, edges[1:], strict=False))
+    parts = list(pairwise(edges))
     volumes = [_between(hull, s.area, *part) for part in parts]
     per = made.mass / sum(volumes)
     k3 = 0.5 * hull.file.water.rho * s.ell**3
@@ -417,7 +415,9 @@ def write_boat(hull: Hull, path: Path) -> Written:
     if gains is None:
         problem = problem or "no step is stable"
     text = boat_text(made, tables)
-    return Written(made, text, parse_vessel(text, path), (problem,) if problem and not gains else ())
+    return Written(
+        made, text, parse_vessel(text, path), (problem,) if problem and not gains else ()
+    )
 
 
 def stable_steps(file: VesselFile) -> list[float]:
@@ -434,8 +434,7 @@ def stable_steps(file: VesselFile) -> list[float]:
         for step in STEPS
         if step <= max(most, STEPS[-1])
         and all(
-            stable_at(flown, scheme, step)
-            for flown, scheme in zip(flights, schemes, strict=True)
+            stable_at(flown, scheme, step) for flown, scheme in zip(flights, schemes, strict=True)
         )
     ]
 

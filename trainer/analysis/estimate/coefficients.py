@@ -396,7 +396,8 @@ def resistance(hull: Hull) -> float:
         2.0 * p.area * friction * (1.0 + 2.0 * p.thickness + 60.0 * p.thickness**4) * 1.3
         for p in hull.panels
     )
-    return (bare + surfaces + speed.extra_drag_area) / s.ell**2
+    drag: float = (bare + surfaces + speed.extra_drag_area) / s.ell**2
+    return drag
 
 
 def revolutions(hull: Hull, drag: float) -> float | None:

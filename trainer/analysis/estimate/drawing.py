@@ -196,4 +196,6 @@ def draw_influences(found: tuple[Influence, ...]) -> Markup:
     bottom = 8.0 + ROW * len(found)
     parts.append(rule("axis", across.at(0.0), 4.0, across.at(0.0), bottom))
     parts += _bar_axis(across, bottom, "%")
-    return svg("What moves the turn most", (BARS_LEFT + BARS_WIDTH + BARS_EDGE, bottom + 24.0), parts)
+    return svg(
+        "What moves the turn most", (BARS_LEFT + BARS_WIDTH + BARS_EDGE, bottom + 24.0), parts
+    )

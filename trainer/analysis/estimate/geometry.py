@@ -6,7 +6,7 @@ aft from the nose, X forward from the centre of gravity, as Report 2510 has it.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
@@ -62,9 +62,9 @@ def _outline(form: Form, x: Numbers) -> tuple[Numbers, Numbers, Numbers]:
         inside = (x >= rows[0, 0]) & (x <= rows[-1, 0])
         breadth, height = (np.where(inside, smooth(rows[:, 0], rows[:, k], x), 0.0) for k in (1, 2))
         return breadth, height, smooth(rows[:, 0], rows[:, 3], x)
-    breadth = form.breadth or 0.0
+    widest = form.breadth or 0.0
     share = profile(form, x)
-    return breadth * share, (form.height or breadth) * share, np.zeros_like(x)
+    return widest * share, (form.height or widest) * share, np.zeros_like(x)
 
 
 def profile(form: Form, x: Numbers) -> Numbers:
@@ -197,12 +197,7 @@ def shape_of(file: HullFile) -> Shape:
         x_G=0.0,
     )
     x_G = bare.centroid if file.mass.cg_from_nose is None else file.mass.cg_from_nose
-    return Shape(**{**_fields(bare), "x_G": x_G})
-
-
-def _fields(shape: Shape) -> dict[str, object]:
-    """Return the fields of a hull, without what was found from them."""
-    return {name: getattr(shape, name) for name in Shape.__dataclass_fields__}
+    return replace(bare, x_G=x_G)
 
 
 @dataclass(frozen=True)
@@ -312,7 +307,7 @@ def panels_of_surface(surface: Panels, shape: Shape) -> Iterator[Panel]:
             aft=False,
         )
         aft = panel.station(0.25) > NEAR_STERN * shape.length
-        yield Panel(**{**vars(panel), "aft": aft})
+        yield replace(panel, aft=aft)
 
 
 def root_radius(surface: Panels, shape: Shape, angle: float) -> float:

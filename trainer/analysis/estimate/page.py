@@ -48,9 +48,9 @@ def facts(found: Survey) -> list[tuple[str, str]]:
         "stern planes": found.critical_speed_kn["stern"],
         "bow planes": found.critical_speed_kn["bow"],
     }
-    told = [
-        f"{name} {speed:.2g} kn" for name, speed in critical.items() if speed is not None
-    ] or ["none"]
+    told = [f"{name} {speed:.2g} kn" for name, speed in critical.items() if speed is not None] or [
+        "none"
+    ]
     period = figure(found.roll_period_s, ".3g")
     return [
         ("mass", f"{found.mass_kg:.6g} kg; the hull displaces {found.displaced_kg:.6g} kg"),
@@ -114,7 +114,9 @@ def html_page(found: Survey, written: Written) -> str:
         parts=[
             section("hull", CONTENTS["hull"], _scrolled(draw_hull(hull)), _hull_words(written)),
             section("warnings", CONTENTS["warnings"], _warnings(found)),
-            section("figures", CONTENTS["figures"], table((), facts(found), "facts"), _margins(found)),
+            section(
+                "figures", CONTENTS["figures"], table((), facts(found), "facts"), _margins(found)
+            ),
             section("turn", CONTENTS["turn"], *_turn(found)),
             section("inputs", CONTENTS["inputs"], *_inputs(found)),
             section("coefficients", CONTENTS["coefficients"], *_coefficients(written)),
@@ -174,9 +176,7 @@ def _margins(found: Survey) -> Markup:
 
 def _legend() -> Markup:
     """Return what bars and lines of the bands mean."""
-    return paragraph(
-        "Thick: 68 of 100 draws; thin: 95 of 100; line: the estimate. " + NOTE, "soft"
-    )
+    return paragraph("Thick: 68 of 100 draws; thin: 95 of 100; line: the estimate. " + NOTE, "soft")
 
 
 def _turn(found: Survey) -> Iterator[Markup]:

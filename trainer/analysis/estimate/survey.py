@@ -157,8 +157,10 @@ def _fly_turn(file: VesselFile, rudder: float) -> dict[str, float] | None:
         flight = fly(boat, turn, speed)
     except ConfigError:
         return None
+    if flight.lost:
+        return None
     told = {one.name: one.value for one in turn.measures(flight)}
-    return None if flight.lost else {name: told[name] for name in MEASURES if told[name] is not None}
+    return {name: value for name in MEASURES if (value := told[name]) is not None}
 
 
 def _band(name: str, unit: str, value: float | None, drawn: Sequence[float]) -> Band:
@@ -309,9 +311,7 @@ def _changed_boat(written: Written, one: Input, sign: float) -> VesselFile | Non
     own = parse_toml(written.text, written.file.path.name)
     try:
         made = estimate_of(hull_of(changed(written.made.hull.file, one, sign)))
-        tables = boat_tables(made) | {
-            key: own[key] for key in ("run", "autopilot") if key in own
-        }
+        tables = boat_tables(made) | {key: own[key] for key in ("run", "autopilot") if key in own}
         return read_vessel(tables, "", written.file.path)
     except ConfigError:
         return None
@@ -334,7 +334,7 @@ def warnings(written: Written, critical: Mapping[str, float | None]) -> Iterator
         if value is not None and value < 0.0:
             yield (
                 f"{name} = {value:.2f}: unstable by itself, needs an autopilot or a helmsman; "
-                f"larger {planes[name]}, farther aft, would make it stable, or the drawing lacks some"
+                f"larger {planes[name]}, or farther aft, would help; or the drawing lacks some"
             )
     stern = critical["stern"]
     if stern is not None and stern > REVERSAL * hull.file.speed.design_kn:

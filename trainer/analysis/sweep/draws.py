@@ -147,7 +147,7 @@ class Draws:
         return {row.name: of_shares(row, self._shares(row.name, first, count)) for row in self.rows}
 
     def middle(self) -> dict[str, Any]:
-        """Return the middle of each variable, with which a study is tried; of draws the estimate."""
+        """Return the middle of each variable, of draws the estimate. A study is tried with it."""
         half = np.array([0.5])
         return {
             row.name: 0 if row.distribution == ESTIMATE else of_shares(row, half).tolist()[0]

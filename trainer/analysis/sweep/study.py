@@ -261,7 +261,7 @@ def _variables(parts: Mapping[str, Any], place: Place) -> tuple[Variable, ...]:
 
 
 def _drawn_or_one(row: Vary, parts: Mapping[str, Any], place: Place) -> Variable:
-    """Return a variable: draws of an estimated boat, or one number. ConfigError if there is none."""
+    """Return draws of an estimated boat, or one number that varies; ConfigError."""
     if row.distribution != ESTIMATE:
         return _variable(row, parts["tables"], ROOTS[parts["kind"]], place)
     if parts["file"] is None or row.key != WHOLE:

@@ -81,7 +81,10 @@ def test_deviations_are_those_of_an_independent_prototype(name: str) -> None:
 
 def test_the_drag_of_suboff_is_within_what_the_prototype_found() -> None:
     """Measured: 102.3 and 87.4 N at 3.05 m/s."""
-    at = {**shipped_hull("suboff").file.tables, "speed": {"design_kn": 3.05 / 0.514444, "roughness": 0}}
+    at = {
+        **shipped_hull("suboff").file.tables,
+        "speed": {"design_kn": 3.05 / 0.514444, "roughness": 0},
+    }
     whole = hull_of(read_hull(at, Path("suboff.toml")))
     per = 0.5 * 1000.0 * 3.05**2 * whole.ell**2
 
@@ -133,7 +136,19 @@ def test_a_bare_body_of_revolution_is_alike_in_both_planes() -> None:
         assert c[side] == pytest.approx(sign * c[down], rel=1e-12), side
 
 
-MIXED = ("K_v", "K_r", "Y_p", "N_p", "K_vdot", "Y_pdot", "K_rdot", "N_pdot", "K_vav", "Z_vv", "M_vv")
+MIXED = (
+    "K_v",
+    "K_r",
+    "Y_p",
+    "N_p",
+    "K_vdot",
+    "Y_pdot",
+    "K_rdot",
+    "N_pdot",
+    "K_vav",
+    "Z_vv",
+    "M_vv",
+)
 
 
 def test_a_hull_alike_above_and_below_has_no_roll_from_sway() -> None:
@@ -216,9 +231,15 @@ def test_the_ideal_fluid_takes_no_energy() -> None:
     whole = shipped_hull("small-boat")
     m = add(bare_masses(whole, 0.94), panel_masses(whole))
     munk = {
-        **{"Y_r": m["X_udot"], "Z_q": -m["X_udot"], "M_w": m["X_udot"] - m["Z_wdot"]},
-        **{"M_q": -m["Z_qdot"], "N_v": m["Y_vdot"] - m["X_udot"], "N_r": m["Y_rdot"]},
-        **{"N_p": m["Y_pdot"], "M_vr": m["Y_pdot"], "M_rr": m["K_rdot"]},
+        "Y_r": m["X_udot"],
+        "Z_q": -m["X_udot"],
+        "M_w": m["X_udot"] - m["Z_wdot"],
+        "M_q": -m["Z_qdot"],
+        "N_v": m["Y_vdot"] - m["X_udot"],
+        "N_r": m["Y_rdot"],
+        "N_p": m["Y_pdot"],
+        "M_vr": m["Y_pdot"],
+        "M_rr": m["K_rdot"],
     }
     moves = np.random.default_rng(1).normal(size=(20, 6))
 
@@ -280,10 +301,7 @@ def test_draws_move_together_so_that_margins_stay_likely() -> None:
     mass = 2.0 * made.mass / (1000.0 * made.hull.ell**3)
 
     def spread(sets: list[dict[str, float]]) -> float:
-        rest = [
-            d["N_v"] * (d["Y_r"] - mass) / (d["Y_v"] * d["N_r"])
-            for d in sets
-        ]
+        rest = [d["N_v"] * (d["Y_r"] - mass) / (d["Y_v"] * d["N_r"]) for d in sets]
         return float(np.std(np.log(np.abs(rest))))
 
     rng = np.random.default_rng(2)
@@ -325,7 +343,9 @@ def test_outside_the_envelope_deviations_double() -> None:
 
 def test_panels_of_a_file_stand_where_it_says() -> None:
     small = shipped_hull("small-boat")
-    port = next(p for p in panels_of(small.file, small.shape) if p.name == "bow planes" and p.angle > 1)
+    port = next(
+        p for p in panels_of(small.file, small.shape) if p.name == "bow planes" and p.angle > 1
+    )
 
     assert port.normal == (0.0, -1.0)
     assert port.place(0.25) > 0.0
