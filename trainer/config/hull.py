@@ -285,7 +285,7 @@ def read_hull(given: Mapping[str, Any], path: Path) -> HullFile:
 
 
 def defaulted(file: HullFile) -> tuple[str, ...]:
-    """Return the keys that the file leaves out, table.key, a table that is left out whole."""
+    """Return the keys, and the whole tables, that the file leaves out."""
     found = []
     for name, record in TABLES.items():
         given = file.tables.get(name)

@@ -1,1 +1,1 @@
-"""A boat from the drawing of its hull: coefficients, and how far each may be trusted."""
+"""A boat from the drawing of its hull, with a deviation on each coefficient."""

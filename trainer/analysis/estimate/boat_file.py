@@ -65,7 +65,7 @@ MASS_SLACK: Final = 0.3  # of the mass against the displaced
 
 
 def load(name_or_path: str) -> Hull:
-    """Return the shipped hull of that name, or the one in that file; ConfigError if it is wrong."""
+    """Return a shipped hull by its name, or that of a file; ConfigError."""
     return checked(hull_of(load_hull(path_named(name_or_path, "hulls"))))
 
 
@@ -399,7 +399,7 @@ class Written:
 
 
 def write_boat(hull: Hull, path: Path) -> Written:
-    """Return the boat of a hull with a step and gains; ConfigError if there can be none."""
+    """Return the boat of a hull, with a step and gains; ConfigError without one."""
     made = estimate_of(hull)
     tables = boat_tables(made)
     gains, problem = None, ""
@@ -421,7 +421,7 @@ def write_boat(hull: Hull, path: Path) -> Written:
 
 
 def stable_steps(file: VesselFile) -> list[float]:
-    """Return the steps [s] that none of the equation sets is blamed for, the longest first."""
+    """Return the steps [s] that are stable by all equation sets, the longest first."""
     speeds = [speed * KNOT for speed in round_speeds(*file.run.speed_range_kn)]
     flights, schemes = [], []
     for equations in EQUATIONS:

@@ -288,7 +288,7 @@ def control_lift(hull: Hull, constants: Constants) -> Values:
 
 
 def sail_vortex(hull: Hull, constants: Constants) -> Values:
-    """Return what the vortex of a sail does on the hull behind it; own, after Mackay."""
+    """Return the forces of a sail's vortex on the hull behind it; own, after Mackay."""
     found = dict.fromkeys(("Z_vv", "Z_vr", "Z_rr", "M_vv", "M_vr", "M_rr"), 0.0)
     s = hull.shape
     for panel in hull.panels:
@@ -386,7 +386,7 @@ class Strips:
 
 
 def resistance(hull: Hull) -> float:
-    """Return the whole drag ahead [-] on L^2: ITTC 1957 with the form factor of [HOERNER]."""
+    """Return the drag ahead [-] on L^2. ITTC 1957 with the form factor of [HOERNER]."""
     s, speed = hull.shape, hull.file.speed
     reynolds = hull.speed * s.length / hull.file.water.nu
     friction = 0.075 / (math.log10(reynolds) - 2.0) ** 2 + speed.roughness
@@ -401,7 +401,7 @@ def resistance(hull: Hull) -> float:
 
 
 def revolutions(hull: Hull, drag: float) -> float | None:
-    """Return turns a second per m/s [1/m] at which thrust is drag, None if there is no such."""
+    """Return turns a second per m/s [1/m] at which thrust is drag; None without."""
     p = hull.file.propeller
     if p is None:
         return None

@@ -1,4 +1,4 @@
-"""The hull drawn from its file, side and top to one scale, so that a wrong drawing is seen."""
+"""The hull drawn to scale from its file: a wrong drawing is seen."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""The hull and its panels as numbers: sections along it, the equal spheroid, places and areas.
+"""The hull and its panels as numbers: sections, the equal spheroid, places, areas.
 
 [LAMB] Lamb, Hydrodynamics, art. 114, with Imlay 1961: added masses of a spheroid. x is counted
 aft from the nose, X forward from the centre of gravity, as Report 2510 has it.
@@ -256,7 +256,7 @@ class Panel:
         return (1.0 + 2.0 * taper) / (3.0 * (1.0 + taper))
 
     def place(self, of_chord: float) -> float:
-        """Return the place [m] ahead of the CG at a share of the chord, where the load is."""
+        """Return how far [m] ahead of the CG a share of the chord is."""
         return self.x_G - self.station(of_chord)
 
     def station(self, of_chord: float) -> float:

@@ -1,4 +1,4 @@
-"""What an estimated boat does: margins, critical speeds, a turn with its bands, what moves it."""
+"""An estimated boat in figures: margins, critical speeds, a turn with bands, influences."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -127,7 +127,7 @@ def half_rudder(file: VesselFile) -> float:
 
 
 def roll_period(file: VesselFile) -> float | None:
-    """Return the period of roll [s] at the design speed, None if it does not swing."""
+    """Return the period of roll [s] at the design speed; None without a swing."""
     (flight,) = flights(file, [file.run.start_speed_kn])
     periods = [mode.period_s for mode in flight.modes if mode.name.startswith("roll")]
     return next((period for period in periods if period is not None), None)
