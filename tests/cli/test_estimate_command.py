@@ -225,7 +225,7 @@ BAD = [  # a part of the file, what takes its place, and what is told
     ("angles_deg = [90.0, 270.0]", "angles_deg = [0.0]", r"no rudder can act there.*90 or 270 deg"),
     ('control = "stern"', 'control = "sterm"', r"must be none or stern or rudder or bow or x"),
     ("cb_above_cg = 0.12", "cg_from_nose = 2.0", r"cg_from_nose = 2.0: .* middle 60 %, 4 to 16 m"),
-    ("cb_above_cg = 0.12", "cb_above_cg = -0.1", r"cb_above_cg = -0.1: must not be below 0 m"),
+    ("cb_above_cg = 0.12", "cb_above_cg = -0.1", r"cb_above_cg = -0.1: must be above 0 m"),
     (
         "cb_above_cg = 0.12",
         "mass = 20000.0",
@@ -308,3 +308,34 @@ def lightly() -> Callable[[Path], Any]:
 
 def test_the_keys_on_the_page_are_those_of_the_reader() -> None:
     assert key_tables() in (ROOT / "docs/own-hull.md").read_text(encoding="utf-8")
+
+
+XTAIL = HULL.partition("[[surfaces]]")[0] + (
+    '[[surfaces]]\nname = "tail"\ncontrol = "x"\nangles_deg = [45.0, 135.0, 225.0, 315.0]\n'
+    "le_root = 17.3\nroot_chord = 1.4\ntip_chord = 1.0\ntip_radius = 1.45\n"
+)
+SORTS = {
+    "X-tail": (XTAIL, ""),
+    "no propeller": (HULL.replace("[propeller]\ndiameter = 1.3\n", ""), ""),
+    "box": (HULL.replace(ROUND, f'{STATIONS}\nsection = "box"'), ""),
+    "no rudder": (HULL.replace('"rudder"', '"none"'), "no panel has control = rudder"),
+    "no gains": (HULL.replace("design_kn = 8.0", "design_kn = 0.05"), "depth_acceleration_m_s2"),
+}
+
+
+@pytest.mark.parametrize("sort", SORTS)
+def test_a_boat_of_each_sort_is_written(tmp_path: Path, sort: str) -> None:
+    from trainer.analysis.estimate.boat_file import load, write_boat  # noqa: PLC0415
+
+    text, lack = SORTS[sort]
+    hull = tmp_path / "hull.toml"
+    hull.write_text(text, encoding="utf-8")
+
+    made = write_boat(load(str(hull)), tmp_path / "boat.toml")
+
+    assert (made.file.autopilot is None) == bool(lack)
+    assert lack in "".join(made.lacks)
+    assert made.file.surfaces.tail == ("x" if sort == "X-tail" else "cruciform")
+    ahead, astern = made.file.thrust.ahead[0], made.file.propulsion.sets[-1]
+    assert ahead.a + ahead.b + ahead.c == pytest.approx(0.0, abs=1e-12)
+    assert astern.c / ahead.c == pytest.approx(-1.0 if sort == "no propeller" else -0.7, rel=1e-5)

@@ -152,7 +152,7 @@ class Speed:
 class Propeller:
     """One propeller aft. Without it thrust is drag at command speed, ahead and astern."""
 
-    diameter: float = of(_size("of the propeller"))
+    diameter: float = of(Quantity("m", above(0.0, 20.0), "of the propeller"))
     KT: tuple[float, ...] = usual(
         (0.45, -0.36, -0.09), Quantities(_number("-", -10.0, 10.0, "of J^0, J, J^2"), 3, 3)
     )
@@ -375,8 +375,8 @@ def _mass_problems(file: HullFile) -> Iterator[str]:
     if mass.cg_from_nose is not None and not low <= mass.cg_from_nose <= high:
         told = f"must be in the middle 60 %, {low:g} to {high:g} m"
         yield place.wrong("cg_from_nose", mass.cg_from_nose, told)
-    if mass.cb_above_cg is not None and mass.cb_above_cg < 0.0:
-        told = "must not be below 0 m: the centre of buoyancy would be below that of gravity"
+    if mass.cb_above_cg is not None and mass.cb_above_cg <= 0.0:
+        told = "must be above 0 m: the centre of buoyancy must be above that of gravity"
         yield place.wrong("cb_above_cg", mass.cb_above_cg, told)
 
 

@@ -28,7 +28,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.stability import responses, stable_at
 from trainer.config.coefficients import AXES
 from trainer.config.files import ConfigError, format_key, path_named
-from trainer.config.hull import BOW, X, defaulted, load_hull
+from trainer.config.hull import BOW, RUDDER, STERN, X, defaulted, load_hull
 from trainer.config.vessel import VesselFile, parse_vessel
 from trainer.config.vessel_template import toml_value
 from trainer.core.kernel import Numbers
@@ -402,22 +402,28 @@ def write_boat(hull: Hull, path: Path) -> Written:
     """Return the boat of a hull, with a step and gains; ConfigError without one."""
     made = estimate_of(hull)
     tables = boat_tables(made)
-    gains, problem = None, ""
-    for step in stable_steps(parse_vessel(boat_text(made, tables), path)):
-        tables["run"] = _run(hull, step)
-        try:
-            gains = design(parse_vessel(boat_text(made, tables), path))
-        except ConfigError as wrong:
-            problem = problem or str(wrong)
-            continue
-        tables["autopilot"] = gains
-        break
-    if gains is None:
-        problem = problem or "no step is stable"
-    text = boat_text(made, tables)
-    return Written(
-        made, text, parse_vessel(text, path), (problem,) if problem and not gains else ()
+    steps = stable_steps(parse_vessel(boat_text(made, tables), path))
+    tables["run"] = _run(hull, steps[0] if steps else STEPS[-1])
+    problem = _no_control(hull) or (
+        "" if steps else f"no step of {STEPS[-1]:g} s or longer is stable"
     )
+    for step in [] if problem else steps:
+        with_step = {**tables, "run": _run(hull, step)}
+        try:
+            gains = design(parse_vessel(boat_text(made, with_step), path))
+            text = boat_text(made, {**with_step, "autopilot": gains})
+            return Written(made, text, parse_vessel(text, path), ())
+        except ConfigError as wrong:
+            problem = problem or wrong.problems[0]
+    text = boat_text(made, tables)
+    return Written(made, text, parse_vessel(text, path), (problem,))
+
+
+def _no_control(hull: Hull) -> str:
+    """Return which plane nothing steers in, in words, "" if there is none."""
+    kinds = {panel.control for panel in hull.panels}
+    lacking = [name for name in (RUDDER, STERN) if not {name, X} & kinds]
+    return f"no panel has control = {' or '.join(lacking)}" if lacking else ""
 
 
 def stable_steps(file: VesselFile) -> list[float]:

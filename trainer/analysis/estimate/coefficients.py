@@ -21,6 +21,7 @@ from trainer.analysis.estimate.geometry import (
     shape_of,
 )
 from trainer.config.hull import BOW, RUDDER, STERN, HullFile, X
+from trainer.config.schema import SMALLEST
 from trainer.core.kernel import Numbers
 from trainer.core.terms import COEFFICIENTS
 from trainer.units import KNOT
@@ -464,7 +465,8 @@ def coefficients(hull: Hull, constants: Constants) -> Values:
         "M_rr": vortex["M_rr"] + masses["K_rdot"],
     }
     found |= {"X_vv": AHEAD * abs(found["Y_v"]), "X_ww": AHEAD * abs(found["Z_w"])}
-    return found | propulsion(hull, drag)
+    found |= propulsion(hull, drag)
+    return {key: value if abs(value) >= SMALLEST else 0.0 for key, value in found.items()}
 
 
 def add(*parts: Mapping[str, float]) -> Values:

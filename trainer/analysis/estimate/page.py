@@ -54,7 +54,8 @@ def facts(found: Survey) -> list[tuple[str, str]]:
     period = figure(found.roll_period_s, ".3g")
     return [
         ("mass", f"{found.mass_kg:.6g} kg; the hull displaces {found.displaced_kg:.6g} kg"),
-        ("step", f"{found.step_s:g} s"),
+        ("step", f"{found.step_s:g} s, the longest that is stable and that the gains hold"),
+        ("limits", f"rudder and planes {found.limit_deg:g} deg, {found.rate_deg_s:.3g} deg/s"),
         ("depth control reverses at", ", ".join(told)),
         ("roll period", f"{period} s at {found.speed_kn:g} kn"),
     ]

@@ -78,6 +78,8 @@ class Survey:
     mass_kg: float
     displaced_kg: float
     step_s: float
+    limit_deg: float  # of rudder and planes
+    rate_deg_s: float
     margins: tuple[Band, ...]
     critical_speed_kn: dict[str, float | None]
     roll_period_s: float | None
@@ -107,6 +109,8 @@ def survey(written: Written, draws: int) -> Survey:
         mass_kg=file.hull.mass,
         displaced_kg=hull.file.water.rho * hull.shape.volume,
         step_s=file.run.step_s,
+        limit_deg=file.surfaces.rudder_limit_deg,
+        rate_deg_s=file.surfaces.rate_deg_s,
         margins=bands,
         critical_speed_kn=own,
         roll_period_s=roll_period(file),
