@@ -24,9 +24,10 @@ from trainer.analysis.estimate.coefficients import (
     panel_masses,
     products,
     resistance,
+    sail_vortex,
     slope,
 )
-from trainer.analysis.estimate.geometry import Spheroid, panels_of, smooth
+from trainer.analysis.estimate.geometry import Spheroid, integral, panels_of, smooth
 from trainer.analysis.estimate.uncertainty import PAIRS, Estimate, fitted, outside, rests, tables
 from trainer.config.files import shipped
 from trainer.config.hull import load_hull, read_hull
@@ -254,6 +255,27 @@ def test_the_coefficients_hold_the_ideal_products_and_the_vortex_s_own() -> None
     assert {key: c[key] for key in products(c)} == products(c)
 
 
+def test_the_vortex_of_a_sail_pushes_each_place_by_its_own_cross_flow() -> None:
+    """By strength times the speed across at the sail, and that at each place behind it."""
+    whole = shipped_hull("small-boat")
+    (sail,) = (panel for panel in whole.panels if panel.sail)
+    c = sail_vortex(whole, {"out_of_plane": 1.0})
+    at, last = sail.place(0.25) / 20.0, (whole.shape.x_G - 20.0) / 20.0
+    X = np.linspace(last, at, 4001)
+    strength = sail.chord / 20.0 * slope(sail)
+
+    for v, r in ((1.0, 0.0), (0.0, 1.0), (0.3, -0.8), (-0.5, 0.2)):
+        load = strength * (v + at * r) * (v + X * r)
+        force = integral(load, X)
+        moment = -integral(load * X, X)
+        assert c["Z_vv"] * v * v + c["Z_vr"] * v * r + c["Z_rr"] * r * r == pytest.approx(
+            force, abs=2e-3 * strength
+        )
+        assert c["M_vv"] * v * v + c["M_vr"] * v * r + c["M_rr"] * r * r == pytest.approx(
+            moment, abs=2e-3 * strength
+        )
+
+
 # Deviations and draws
 
 
@@ -285,6 +307,13 @@ def test_draws_keep_pairs_of_added_mass_and_the_sign_of_damping() -> None:
     for key in ("Y_v", "N_r", "Z_w", "M_q", "Y_vav", "N_rar", "Y_dr"):
         assert all(draw[key] * made.values[key] > 0.0 for draw in draws), key
     assert all(abs(draw["a1"] + draw["b1"] + draw["c1"]) < 1e-16 for draw in draws)
+
+
+def test_however_wide_the_draw_damping_keeps_its_sign() -> None:
+    made, _ = made_and_draws()
+    loose = replace(made, sd={**made.sd, "Y_vav": 5.0 * abs(made.values["Y_vav"])})
+
+    assert max(loose.draw(number)["Y_vav"] for number in range(1, 60)) < 0.0
 
 
 def test_draws_spread_as_their_deviations_say() -> None:
