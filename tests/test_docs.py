@@ -38,7 +38,17 @@ def shown(page: Path) -> dict[str, str]:
 
 
 SHOWN = {line: text for page in PAGES for line, text in shown(page).items()}
-FIRST_PAGES = {line: page for page in reversed(PAGES) for line in commands(page)}
+# what a reader types one after the other in one folder, since each needs what the first wrote
+IN_ONE_FOLDER = {"exported-core.md"}
+
+
+def cases(page: Path) -> list[str]:
+    """Return what is typed in a folder each: the commands of a page, or all of them in a row."""
+    lines = commands(page)
+    return [" && ".join(lines)] if page.name in IN_ONE_FOLDER else lines
+
+
+FIRST_PAGES = {line: page for page in reversed(PAGES) for line in cases(page)}
 # what takes minutes, and has tests of its own
 SLOW = re.compile(r"bench --(footprint|against-c)|--selftest|sweep (overshoots|centre-of-gravity)")
 CASES = [

@@ -146,24 +146,34 @@ DAMAGE: dict[str, Callable[[Path], object]] = {
 }
 
 
+TELL = SINE.replace("print(folder)", "print(sorted(p.name for p in folder.rglob('*.damaged')))")
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a cache that a first start filled, to be copied."""
+    folder = tmp_path_factory.mktemp("compiled")
+    assert said(TELL, PACKAGE.parent, NUMBA_CACHE_DIR=str(folder))[0] == "[]"
+    return folder
+
+
 @pytest.mark.parametrize("ending", CODE)
 @pytest.mark.parametrize("way", DAMAGE)
 def test_damaged_machine_code_is_set_aside_and_compiled_again(
-    tmp_path: Path, way: str, ending: str
+    compiled: Path, tmp_path: Path, way: str, ending: str
 ) -> None:
-    code = SINE.replace("print(folder)", "print(sorted(p.name for p in folder.rglob('*.damaged')))")
+    shutil.copytree(compiled, tmp_path, dirs_exist_ok=True)
     cache = str(tmp_path)
-    assert said(code, PACKAGE.parent, NUMBA_CACHE_DIR=cache)[0] == "[]"
     marks = [folder / "complete-x" for folder in tmp_path.iterdir()]
     for mark in marks:
         mark.touch()
     (hurt,) = tmp_path.rglob(f"elementary.sine-*{ending}")
     DAMAGE[way](hurt)
 
-    damaged, _ = said(code, PACKAGE.parent, NUMBA_CACHE_DIR=cache)  # it does not fail
+    damaged, _ = said(TELL, PACKAGE.parent, NUMBA_CACHE_DIR=cache)  # it does not fail
     assert damaged == f"['{hurt.name}.damaged']"
     assert not any(mark.exists() for mark in marks)
-    again, _ = said(code, PACKAGE.parent, NUMBA_CACHE_DIR=cache)
+    again, _ = said(TELL, PACKAGE.parent, NUMBA_CACHE_DIR=cache)
     assert again == damaged  # nothing more
     assert hurt.is_file()
 

@@ -208,7 +208,8 @@ GOOD = [
 ]
 
 
-def test_a_hundred_thousand_lines_of_noise_are_survived_in_flat_memory() -> None:
+@pytest.mark.parametrize("lines", [15_000, pytest.param(95_000, marks=pytest.mark.slow)])
+def test_lines_of_noise_are_survived_in_flat_memory(lines: int) -> None:
     source = random.Random(1967)  # noqa: S311  noise, not a secret
     decoder = LineDecoder()
     heard = {Order: 0, BadOrder: 0, Overlong: 0}
@@ -220,7 +221,7 @@ def test_a_hundred_thousand_lines_of_noise_are_survived_in_flat_memory() -> None
                 kind = type(found.order) if found and isinstance(line, str) else type(line)
                 heard[kind] = heard.get(kind, 0) + 1
 
-    feed(95_000)
+    feed(lines)
     tracemalloc.start()
     feed(1000)
     settled, _ = tracemalloc.get_traced_memory()
@@ -228,7 +229,7 @@ def test_a_hundred_thousand_lines_of_noise_are_survived_in_flat_memory() -> None
     after, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
 
-    assert min(heard[Order], heard[BadOrder], heard[Overlong]) > 1000
+    assert min(heard[Order], heard[BadOrder], heard[Overlong]) > 300
     assert after - settled < 20_000
     assert peak < 500_000
 

@@ -20,7 +20,7 @@ from trainer.web.pages import ASSETS, HERE
 
 Look = Callable[..., Page]
 UPRIGHT = "1080x1920"
-FAST = 10.0  # times faster than the clock, since no visitor of a test is slow
+FAST = 5.0  # times faster than the clock: what is late on a busy machine is not late for the boat
 TARGET = 60  # [m] as the page says
 ORDERED_BOW = 8  # place of ordered_bow in the channel diving
 SEEN = """() => {
@@ -149,7 +149,7 @@ def test_a_visitor_who_does_what_the_page_says_holds_sixty_metres(kiosk: Kiosk, 
     page.locator("#start").tap()
     scene(page, "dive")
     said = set()
-    end = time.monotonic() + 120.0
+    end = time.monotonic() + 300.0
     while (seen := page.evaluate(SEEN))["scene"] == "dive":
         assert time.monotonic() < end
         said.add(seen["task"].split()[0])
@@ -173,8 +173,8 @@ def test_a_lever_held_down_is_taken_and_given_back_before_ninety_metres(
     for _ in range(4):
         slider(page).press("Shift+ArrowDown")
 
-    expect(page.locator("#task")).to_contain_text("levels by itself", timeout=20_000)
-    expect(page.locator("#task")).not_to_contain_text("levels by itself", timeout=20_000)
+    expect(page.locator("#task")).to_contain_text("levels by itself", timeout=60_000)
+    expect(page.locator("#task")).not_to_contain_text("levels by itself", timeout=60_000)
 
     assert 60.0 < float(kiosk.read("gauges")[0]) < 90.0
     put_lever(page, -3)
