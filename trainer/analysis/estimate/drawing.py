@@ -123,7 +123,7 @@ def _centres(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
     for words, x, z, style in (("G", s.x_G, -below, "centre"), ("V", s.centroid, 0.0, "volume")):
         at = paper.along.at(x), paper.up.at(z)
         yield f'<circle class="{style}" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="4"/>'
-        side = 8.0 if words == "G" else -16.0
+        side = 8.0 if (words == "G") == (s.x_G >= s.centroid) else -16.0
         yield text("name", at[0] + side, at[1] - 6.0, words)
     propeller = hull.file.propeller
     if propeller is not None:
