@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from helpers import report_1969
+from helpers import report_1969, report_1974
+from helpers.report_1969 import ABSENT, NEVER, Row, rows_of
 from helpers.shell import ran
 
 ROOT = Path(__file__).parent.parent
@@ -77,17 +78,25 @@ def test_a_documented_command_works(line: str, tmp_path: Path) -> None:
     assert [each for each in shown_lines if each.rstrip() not in done.stdout] == []
 
 
-def test_the_page_of_the_1969_report_is_made_of_its_table() -> None:
-    text = (ROOT / "docs" / "report-1969.md").read_text(encoding="utf-8")
+REPORTS = {"1969": report_1969, "1974": report_1974}
+ROWS = [
+    pytest.param(row, id=f"{year}: {row.name}")
+    for year, report in REPORTS.items()
+    for row in rows_of(report.PARTS)
+]
 
-    assert text == report_1969.page(), "python -m helpers.report_1969 > docs/report-1969.md"
+
+@pytest.mark.parametrize("year", REPORTS)
+def test_the_page_of_a_report_is_made_of_its_table(year: str) -> None:
+    text = (ROOT / "docs" / f"report-{year}.md").read_text(encoding="utf-8")
+
+    made = f"python -m helpers.report_{year} > docs/report-{year}.md"
+    assert text == REPORTS[year].page(), made
 
 
-@pytest.mark.parametrize("row", report_1969.rows(), ids=lambda row: row.name)
-def test_a_row_of_the_1969_report_has_a_test_that_is_there_or_says_it_has_none(
-    row: report_1969.Row,
-) -> None:
-    assert bool(row.test) != row.command.startswith(report_1969.ABSENT)
+@pytest.mark.parametrize("row", ROWS)
+def test_a_row_of_a_report_has_a_test_that_is_there_or_says_it_has_none(row: Row) -> None:
+    assert bool(row.test) != row.command.startswith((ABSENT, NEVER))
     if row.test:
         file, name = row.test.split("::")
         assert f"\ndef {name}(" in (ROOT / "tests" / file).read_text(encoding="utf-8")

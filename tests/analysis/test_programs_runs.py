@@ -222,11 +222,11 @@ def test_a_column_that_a_run_lacks_is_named_with_the_nearest() -> None:
         ("", "first line must name the columns"),
         ("time,u\n0,1\n1,2\n", "first line must name the columns, t"),
         ("t,u,u\n0,1,1\n", 'column "u" is given twice'),
-        ("t,u\n0,1\n1\n", "line 3: has 1 fields, the heading 2"),
-        ("t,u\n0,1\n1,fast\n", 'line 3: u = "fast": must be a number'),
-        ("t,u\n0,1\n1,nan\n", 'line 3: u = "nan": must be a number'),
+        ("t,u\n0,1\n1\n", "row 3: has 1 fields, the heading 2"),
+        ("t,u\n0,1\n1,fast\n", 'row 3: u = "fast": must be a number'),
+        ("t,u\n0,1\n1,nan\n", 'row 3: u = "nan": must be a number'),
         ("t,u\n0,1\n", "has 1 rows of numbers; needs 2"),
-        ("t,u\n0,1\n1,1\n1,1\n", "row 3: t = 1 does not rise"),
+        ("t,u\n0,1\n1,1\n1,1\n", "row 4: t = 1 does not rise"),
     ],
 )
 def test_a_csv_file_that_is_wrong_is_told_where(text: str, said: str, tmp_path: Path) -> None:

@@ -93,6 +93,11 @@ FIRST = {  # what is typed before
     "trainer fit": ("trainer manoeuvre impulse bb2 --csv impulse.csv",),
     "trainer sweep": (f"cp {ROOT}/configs/studies/turn-uncertainty.toml study.toml",),
     "trainer identify": TRIAL,
+    "trainer identify new": (
+        "rm -rf lesson trial.toml study.toml",
+        "trainer identify --example lesson",
+        "cp lesson/example.csv trial.csv",
+    ),
 }
 PATIENCE = 5.0  # [s] from one Ctrl-C to the next
 LACKING = re.compile(r"^trainer: .* needs \w+: pip install '.*'$", re.MULTILINE)

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from helpers import notebooks, python_reference
 from helpers.places import TESTS, environment
 
@@ -46,13 +47,14 @@ def test_every_public_name_is_in_the_reference_as_its_docstring_has_it() -> None
     )
 
 
-def test_the_notebook_s_code_prints_what_the_notebook_shows(tmp_path: Path) -> None:
-    path = notebooks.NOTEBOOK
+@pytest.mark.parametrize("path", notebooks.NOTEBOOKS, ids=lambda path: path.stem)
+def test_the_notebook_s_code_prints_what_the_notebook_shows(tmp_path: Path, path: Path) -> None:
     shown = [notebooks.outputs_of(cell) for cell in notebooks.cells(path)]
     assert path.stat().st_size < MOST
     code = (
-        f"import json, sys; sys.path.insert(0, {str(TESTS)!r})\n"
-        "from helpers import notebooks; print(json.dumps(notebooks.run(notebooks.NOTEBOOK)))"
+        f"import json, pathlib, sys; sys.path.insert(0, {str(TESTS)!r})\n"
+        "from helpers import notebooks\n"
+        f"print(json.dumps(notebooks.run(pathlib.Path({str(path)!r}))))"
     )
 
     printed = ran(code, tmp_path)

@@ -1,6 +1,6 @@
 """A notebook run without Jupyter: its code cells, one after the other, and what they print.
 
-python -m helpers.notebooks, from the folder of the tests, writes what they print into the notebook.
+python -m helpers.notebooks, from the folder of the tests, writes what they print into each.
 """
 
 import contextlib
@@ -13,7 +13,7 @@ from typing import Any
 
 from helpers.places import ROOT
 
-NOTEBOOK = ROOT / "docs" / "first-hour.ipynb"
+NOTEBOOKS = [ROOT / "docs" / name for name in ("first-hour.ipynb", "identification.ipynb")]
 
 
 def cells(path: Path) -> list[dict[str, Any]]:
@@ -56,4 +56,5 @@ def write(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    write(NOTEBOOK)
+    for notebook in NOTEBOOKS:
+        write(notebook)

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import trainer
 from helpers.places import ROOT
+from trainer import identify
 
 PAGE = ROOT / "docs" / "python.md"
 HEAD = "## Every name\n"
@@ -15,18 +16,16 @@ HEAD = "## Every name\n"
 
 def reference() -> str:
     """Return the reference as Markdown, from its heading to the end of the page."""
-    return (
-        "\n".join([HEAD, *(line for name in trainer.__all__ for line in _entry(name))]).rstrip()
-        + "\n"
-    )
+    own = [(f"trainer.{name}", getattr(trainer, name)) for name in trainer.__all__]
+    own += [(f"trainer.identify.{name}", getattr(identify, name)) for name in identify.__all__]
+    return "\n".join([HEAD, *(line for each in own for line in _entry(*each))]).rstrip() + "\n"
 
 
-def _entry(name: str) -> Iterator[str]:
+def _entry(name: str, found: object) -> Iterator[str]:
     """Yield the lines about one public name."""
-    found = getattr(trainer, name)
-    yield f"### trainer.{name}{_signature(found)}\n"
+    yield f"### {name}{_signature(found)}\n"
     yield _text(found) + "\n"
-    if name == "TrainerError" or not inspect.isclass(found):
+    if found is trainer.TrainerError or not inspect.isclass(found):
         return
     for member, value in vars(found).items():
         if not member.startswith("_") and (callable(value) or isinstance(value, property)):

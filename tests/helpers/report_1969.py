@@ -5,9 +5,11 @@
 in the folder of the tests' helpers writes it; a test compares page, commands and tests.
 """
 
+from collections.abc import Mapping
 from typing import Final, NamedTuple
 
 ABSENT: Final = "not there yet"
+NEVER: Final = "cannot be"
 HEAD: Final = """# The report of 1969
 
 <!-- Made by tests/helpers/report_1969.py; a test compares them, and looks every test up. -->
@@ -28,9 +30,11 @@ class Row(NamedTuple):
 
     name: str
     what: str
-    command: str  # or a page, or ABSENT and why
+    command: str  # or a page, or ABSENT or NEVER and why
     test: str  # FILE::NAME below tests/, "" where nothing compares
 
+
+Parts = Mapping[str, tuple[Row, ...]]  # by their titles
 
 VECTORS: Final = "analysis/test_programs_vessel.py"
 RUNS: Final = "analysis/test_programs_runs.py"
@@ -310,12 +314,12 @@ FIGURES: Final = (
         "core/test_seaway.py::test_the_shape_of_the_analogue_filter",
     ),
 )
-PARTS: Final = {"Programs": PROGRAMS, "Tables": TABLES, "Figures": FIGURES}
+PARTS: Final[Parts] = {"Programs": PROGRAMS, "Tables": TABLES, "Figures": FIGURES}
 
 
-def rows() -> tuple[Row, ...]:
-    """Return every row of the page."""
-    return tuple(row for part in PARTS.values() for row in part)
+def rows_of(parts: Parts) -> tuple[Row, ...]:
+    """Return every row of a page."""
+    return tuple(row for part in parts.values() for row in part)
 
 
 def command_cell(command: str) -> str:
@@ -331,16 +335,21 @@ def comparison_cell(test: str) -> str:
     return f"{name.removeprefix('test_').replace('_', ' ')} (`{file}`)"
 
 
-def page() -> str:
-    """Return docs/report-1969.md."""
-    lines = [HEAD]
-    for title, part in PARTS.items():
+def page_of(head: str, parts: Parts) -> str:
+    """Return a page about a report: its head, and a table for each of its parts."""
+    lines = [head]
+    for title, part in parts.items():
         lines += [f"## {title}\n", f"| | {' | '.join(COLUMNS)} |", "|---|---|---|---|"]
         for row in part:
             cells = (row.name, row.what, command_cell(row.command), comparison_cell(row.test))
             lines.append(f"| {' | '.join(cells)} |")
         lines.append("")
     return "\n".join(lines)
+
+
+def page() -> str:
+    """Return docs/report-1969.md."""
+    return page_of(HEAD, PARTS)
 
 
 if __name__ == "__main__":

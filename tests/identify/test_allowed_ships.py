@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report.plots import Curve, Panel, Screen
 from trainer.cli.identify import identify
 from trainer.identify.alternatives import _draw_parameters, draw_allowed, pulse_of, step_of
 from trainer.identify.experiment import hold_bits, prbs
@@ -19,7 +19,7 @@ from trainer.identify.measurements import Samples
 from trainer.identify.minimise import unheard
 from trainer.identify.models import MODELS, Plant, Ship
 from trainer.identify.options import study_of
-from trainer.identify.pages.sheet import sheet
+from trainer.identify.pages.identify import sheet
 from trainer.identify.problem import problem_of
 from trainer.identify.study import observe
 from trainer.identify.uncertainty import draw_parameters as draws
@@ -246,7 +246,7 @@ def test_the_sheet_needs_nothing_beside_itself_and_holds_the_figures(
     assert "a &lt;second&gt;-order ship" in text
     assert text.count("<svg") > 6
     assert "by a step of 1 deg" in text
-    assert "What is known least" in text
+    assert "Known least</h2>" in text
     again = tmp_path / "again.html"
     told(path, "--html", str(again))
     assert again.read_bytes() == page.read_bytes()
@@ -273,7 +273,7 @@ def test_a_record_that_tells_nothing_is_refused_with_what_is_odd_about_it(
 def test_names_of_anybody_s_making_come_out_as_text() -> None:
     evil = '<script>alert("x")</script>'
     panel = Panel(evil, evil, evil, (Curve(evil, np.arange(3.0), np.arange(3.0)),))
-    text = sheet(evil, f"{evil}\n{evil}", [panel], Named(evil))
+    text = sheet(evil, f"{evil}\n{evil}", [Screen(evil, (panel,))], Named(evil))
     page, _, data = text.partition('<script type="application/json"')
     assert "<script" not in page
     assert page.count("&lt;script&gt;alert(&#34;x&#34;)&lt;/script&gt;") >= 6

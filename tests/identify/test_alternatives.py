@@ -11,9 +11,9 @@ from trainer.identify.estimate import estimate
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Search
 from trainer.identify.prediction_error import settled_gain
-from trainer.identify.reference_ships import ISLAND, TANKER, TANKER_RUDDER
 from trainer.identify.uncertainty import hessian, uncertainty
 from trainer.identify.validation import draw_outputs
+from trainer.verify.cases.reference_ships import ISLAND, TANKER, TANKER_RUDDER
 
 linalg = pytest.importorskip("scipy.linalg")
 

@@ -12,22 +12,24 @@ from helpers.decca_run import CASES, CHAIN, TRACK, write_run
 from trainer.cli.identify import decca
 from trainer.config.files import ConfigError
 from trainer.identify.decca import (
-    SPENCER,
     Point,
     Slave,
     convergence,
-    derivative,
-    even_interval,
     fixes,
     lane_at,
     lane_number,
     resolve_lane,
-    smooth_spencer,
-    sway_of_track,
     track,
 )
 from trainer.identify.decca_study import load_decca, load_readings, sail, write_track
-from trainer.identify.sources import Column, load_record
+from trainer.identify.sources import Column, load_record, own_columns
+from trainer.identify.track import (
+    SPENCER,
+    derivative,
+    even_interval,
+    smooth_spencer,
+    sway_of_track,
+)
 
 
 @pytest.mark.parametrize("case", CASES["lanes"], ids=lambda case: case["colour"])
@@ -162,9 +164,39 @@ def test_the_track_is_written_as_a_record(tmp_path: Path) -> None:
     write_track(sailed, tmp_path / "sway.csv")
     record = load_record(
         tmp_path / "sway.csv",
-        {"t": Column("t", 1.0), "sway": Column("v", 1.0), "heading": Column("psi", 1.0)},
+        {"t": Column("t", "s"), "sway": Column("v", "m/s"), "heading": Column("psi", "rad")},
     )
     assert record.sway == pytest.approx(sailed.sway, nan_ok=True)
+
+
+@pytest.mark.parametrize(("side", "sign"), [("port", 1.0), ("starboard", -1.0)])
+def test_the_track_with_a_rudder_is_a_record_to_identify(
+    tmp_path: Path, side: str, sign: float
+) -> None:
+    file = run(tmp_path)
+    lines = (tmp_path / "lanes.csv").read_text().splitlines()
+    helm = [5.0 * (-1.0) ** (i // 9) for i in range(len(lines) - 1)]
+    rows = [f"{line},{angle}" for line, angle in zip(lines[1:], helm, strict=True)]
+    (tmp_path / "lanes.csv").write_text("\n".join([f"{lines[0]},helm", *rows]) + "\n")
+    study = (tmp_path / "run.toml").read_text() + '\n[columns]\nrudder_deg = "helm"\n'
+    study = study.replace("[[slaves]]", f'positive_rudder = "{side}"\n\n[[slaves]]', 1)
+    (tmp_path / "run.toml").write_text(study)
+    file = load_decca(tmp_path / "run.toml")
+    sailed = sail(file, load_readings(file), smooth=False)
+    write_track(sailed, tmp_path / "sway.csv")
+    record = load_record(tmp_path / "sway.csv", own_columns())
+    assert record.channels == ("rudder", "heading", "yaw_rate", "sway", "speed")
+    assert record.rudder == pytest.approx(sign * np.radians(helm))
+    assert record.sway == pytest.approx(sailed.sway, nan_ok=True)
+
+
+def test_lanes_may_stand_between_semicolons(tmp_path: Path) -> None:
+    plain = load_readings(run(tmp_path))
+    data = tmp_path / "lanes.csv"
+    data.write_text(data.read_text().replace(",", ";").replace(".", ","))
+    found = load_readings(load_decca(tmp_path / "run.toml"))
+    assert found.lanes == plain.lanes
+    assert found.heading == pytest.approx(plain.heading)
 
 
 def test_a_wrong_lane_is_refused_by_row(tmp_path: Path) -> None:

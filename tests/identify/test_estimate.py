@@ -14,12 +14,12 @@ from trainer.identify.estimate import MINIMISERS, Starts, estimate, keep, resume
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Found, Search, unheard
 from trainer.identify.models import MODELS, Ship
-from trainer.identify.monte_carlo import study
+from trainer.identify.monte_carlo import Rehearsal
 from trainer.identify.prediction_error import Innovations, MultiStep, settled_gain
 from trainer.identify.problem import Problem
-from trainer.identify.reference_ships import TANKER, TANKER_RUDDER, Rehearsal
-from trainer.identify.uncertainty import hessian, inseparable, uncertainty
+from trainer.identify.uncertainty import hessian, inseparable, intervals, uncertainty
 from trainer.identify.validation import draw_outputs
+from trainer.verify.cases.reference_ships import TANKER, TANKER_RUDDER, study
 
 
 def recorded(rehearsal: Any, count: Any, seed: Any = 1) -> Any:
@@ -351,6 +351,25 @@ def test_deviations_and_correlations_by_hand() -> None:
     assert known.deviations == pytest.approx([2.0, 3.0])
     assert known.correlations[0, 1] == pytest.approx(0.5)
     assert known.flat == ()
+
+
+def test_intervals_of_variances_and_sure_coefficients_are_by_the_logarithm() -> None:
+    free = ("a1", "c1", "f2", "R1_1", "R2_v")
+    truth = {"a1": 2.0, "c1": 0.2, "R1_1": 1e-4, "R2_v": 0.01}
+    sway = Rehearsal("2", Ship(160.93, 4.5), ("sway",), 6.0, truth, free, {})
+    problem = sway.problem(np.zeros(4))
+    # a1 is known to a quarter, c1 not even by its sign, R1_1 to two thirds, R2_v is lost
+    theta = np.array([2.0, -0.2, 1.0, 1e-4, 0.01])
+    found = intervals(problem, theta, np.array([0.5, 0.3, 1.0, 1e-4 / 1.5, np.nan]))
+    assert found[0] == pytest.approx([2.0 / 1.63230, 2.0 * 1.63230], rel=1e-5)  # exp(1.96/4)
+    assert found[1] == pytest.approx([-0.2 - 0.587989, -0.2 + 0.587989], rel=1e-5)
+    assert found[2] == pytest.approx([1.0 - 1.959964, 1.0 + 1.959964], rel=1e-5)
+    assert found[3] == pytest.approx([1e-4 / 3.69375, 1e-4 * 3.69375], rel=1e-5)  # exp(1.96/1.5)
+    assert np.isnan(found[4]).all()
+    assert np.isfinite(intervals(problem, theta, np.full(5, 1e300))).all()
+    # a coefficient below zero has its ends in order
+    below = intervals(problem, -theta, np.full(5, 0.05))[0]
+    assert below[0] < -2.0 < below[1] < 0.0
 
 
 def test_a_free_variance_that_starts_at_nothing_is_refused(cost: Any) -> None:

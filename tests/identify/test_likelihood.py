@@ -21,8 +21,8 @@ from trainer.identify.prediction_error import (
     no_gain,
     settled_gain,
 )
-from trainer.identify.reference_ships import TANKER, TANKER_RUDDER
 from trainer.identify.validation import deterministic, draw_outputs
+from trainer.verify.cases.reference_ships import TANKER, TANKER_RUDDER
 
 PERIOD = TANKER.period
 

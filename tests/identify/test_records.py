@@ -269,7 +269,7 @@ def test_a_wrapped_heading_is_unwrapped_across_what_is_missing(tmp_path: Path) -
     heading = np.radians(columns["gyro"])
     heading[30] = math.nan
     write(tmp_path, columns)
-    record = load_record(tmp_path / "trial.csv", {"rudder": Column("helm", 1.0)})
+    record = load_record(tmp_path / "trial.csv", {"rudder": Column("helm", "rad")})
     found = unwrap_heading(replace(record, heading=np.mod(heading + 4.7, math.tau)))
     known = found.heading[~np.isnan(found.heading)]  # type: ignore[arg-type, index]
     assert np.abs(np.diff(known)).max() < 1.0
@@ -298,6 +298,6 @@ def test_every_key_is_documented_as_it_is_read(tables: Any) -> None:
 
 def test_examination_needs_a_rudder(tmp_path: Path) -> None:
     write(tmp_path, table())
-    record = load_record(tmp_path / "trial.csv", {"yaw_rate": Column("rot", 1.0)})
+    record = load_record(tmp_path / "trial.csv", {"yaw_rate": Column("rot", "rad/s")})
     with pytest.raises(ConfigError, match="no rudder was recorded; there is yaw_rate"):
         examine(record)

@@ -11,11 +11,11 @@ from click.testing import CliRunner
 from trainer.boat.export.targets import NoCompilerError
 from trainer.cli import main
 from trainer.identify.likelihood import Likelihood
-from trainer.identify.reference_ships import ISLAND, TANKER, TANKER_RUDDER
 from trainer.verify.bench import identify, paired_timing, sections
 from trainer.verify.bench.identify import Row, Speed, by_statsmodels, likelihoods_of_a_fit
 from trainer.verify.bench.paired_timing import Paces
 from trainer.verify.c_reference.filter import likelihood_in_c
+from trainer.verify.cases.reference_ships import ISLAND, TANKER, TANKER_RUDDER
 
 compiler = pytest.mark.skipif(
     not shutil.which("gcc") and not shutil.which("cc"), reason="no C compiler"
@@ -129,11 +129,10 @@ def test_every_goal_has_its_figure() -> None:
     found = json.loads(bench("--json"))["identify"]
 
     assert (found["samples"], found["parameters"]) == (100, 19)
-    assert len(found["rows"]) == 10
+    assert len(found["rows"]) == 9
     assert all(row["figure"] > 0.0 for row in found["rows"])
     figures = {row["name"]: row for row in found["rows"]}
-    both = figures["gradient and information, likelihoods"]["figure"]
-    assert both > figures["gradient, likelihoods"]["figure"]
+    assert figures["gradient and information, likelihoods"]["figure"] > 1.0
 
 
 @pytest.mark.usefixtures("quick")

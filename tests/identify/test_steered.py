@@ -2,23 +2,35 @@
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.places import ROOT
 
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import fly
 from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.guide import manoeuvre
+from trainer.cli.identify import steering
 from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
+from trainer.identify.derived import arms_of, nomoto_of
+from trainer.identify.models import MODELS
 from trainer.identify.nomoto import NomotoFile, is_nomoto, key_table, load_nomoto, nomoto_text_of
+from trainer.identify.nonlinear import Bent
+from trainer.identify.pages.steering import of_nomoto, panels
 from trainer.identify.steering import Steered
-from trainer.units import KNOT
+from trainer.identify.steering import steering as steering_of
+from trainer.units import DEGREE, KNOT
+from trainer.verify.cases.reference_ships import TANKER
 
 SPEED = 10.0 * KNOT
+PAGE = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
 
 
 def nomoto_file(**changes: Any) -> Any:
@@ -61,6 +73,18 @@ def test_a_bent_ship_turns_as_its_steady_equation_says(second: Any) -> None:
         ship.advance()
     r = (-1.0 + math.sqrt(1.0 + 4.0 * 20.0 * 0.01)) / 40.0
     assert dict(zip(ship.columns, ship.observe(), strict=True))["r"] == pytest.approx(r, rel=1e-9)
+
+
+def test_a_ship_with_bech_s_curve_turns_as_its_steady_helm_says() -> None:
+    curve = {"H1_s": 9.0, "H2_s2": -700.0, "H3_s3": -4e4}
+    ship = Steered(nomoto_file(K_per_s=0.11, T1_s=-300.0, T2_s=13.0, T3_s=33.0, **curve))
+    ship.start(SPEED)
+    ship.order("rudder", -0.3)  # to port
+    for _ in range(4000):
+        ship.advance()
+    r = dict(zip(ship.columns, ship.observe(), strict=True))["r"]
+    assert 9.0 * r - 700.0 * abs(r) * r - 4e4 * r**3 == pytest.approx(0.3, rel=1e-6)
+    assert r < 0.0
 
 
 def test_a_first_order_ship_follows_its_exponential() -> None:
@@ -107,6 +131,21 @@ def test_a_nomoto_file_is_read_as_it_was_written(tmp_path: Path) -> None:
         load_nomoto(path)
 
 
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        ("H3_s3 = 5", "H3_s3 = 5.0: goes with H1_s, which is not given"),
+        ("H1_s = 5\nkappa_s2 = 9", "kappa_s2 = 9.0: stands in for H1_s: give one"),
+    ],
+)
+def test_half_a_curve_or_two_are_refused(tmp_path: Path, lines: str, told: str) -> None:
+    path = tmp_path / "ship.toml"
+    text = nomoto_text_of(nomoto_file(), "x", {})
+    path.write_text(text.replace("K_per_s", f"{lines}\nK_per_s"))
+    with pytest.raises(ConfigError, match=re.escape(told)):
+        load_nomoto(path)
+
+
 def sailed(tmp_path: Path, *arguments: Any) -> Any:
     path = tmp_path / "ship.toml"
     path.write_text(nomoto_text_of(nomoto_file(), "model nomoto2 fitted to x.csv", {}))
@@ -150,3 +189,80 @@ def test_a_plot_of_a_nomoto_ship_leaves_out_what_she_has_not(tmp_path: Path) -> 
     plot = tmp_path / "z.svg"
     assert sailed(tmp_path, "zigzag-10", "--plot", str(plot)).exit_code == 0
     assert plot.stat().st_size > 0
+
+
+def fernstrom(folder: Path) -> Path:
+    """Write the page's file of A K Fernstrom, unstable, section 8; return its path."""
+    path = folder / "fernstrom.toml"
+    path.write_text(re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)[0])
+    return path
+
+
+def flown(name: str, path: Path) -> dict[str, float]:
+    result = CliRunner().invoke(manoeuvre, [name, str(path), "--json"], catch_exceptions=False)
+    return {one["name"]: one["value"] for one in json.loads(result.stdout)["measures"]}
+
+
+def test_the_spiral_of_an_unstable_ship_has_the_loop_of_its_kappa(tmp_path: Path) -> None:
+    path = fernstrom(tmp_path)
+    result = CliRunner().invoke(steering, [str(path), "--json"], catch_exceptions=False)
+    at = json.loads(result.stdout)["speeds"][0]
+    rate, fold_rate, fold = at["loop"]
+    # by hand: 1/(1230 0.114), half of it, and 1/(4 1230 0.114^2)
+    assert (rate * DEGREE, fold_rate * DEGREE) == pytest.approx((0.0071317, 0.0035658), rel=1e-4)
+    assert fold * DEGREE == pytest.approx(0.0156396, rel=1e-4)
+    assert at["turns_deg_s"][0] == pytest.approx([-rate, 0.0, rate])
+    assert not at["stable"]
+
+    direct = flown("spiral", path)
+    assert direct["yaw rate at +0 deg"] / DEGREE == pytest.approx(rate, rel=0.03)
+    assert direct["width of the loop"] / DEGREE == pytest.approx(2.0 * rate, rel=0.03)
+    reverse = flown("reverse-spiral", path)
+    bent = Bent(0.114, -304.0, 13.4, 33.4, 1230.0)
+    for share in ("67 %", "33 %", "17 %", "-17 %", "-33 %", "-67 %"):
+        (held,) = bent.helm(np.array([reverse[f"yaw rate at {share}"]]))
+        assert reverse[f"rudder at {share}"] == pytest.approx(-held, abs=0.1 * DEGREE)
+    assert reverse["rudder at 17 %"] < 0.0 < reverse["rudder at 67 %"]  # it must be held back
+
+
+def test_the_page_shows_what_the_command_prints(tmp_path: Path) -> None:
+    shown = re.findall(r"trainer steering fernstrom.toml\n(.*?)```", PAGE, re.DOTALL)[0]
+    assert shown in CliRunner().invoke(steering, [str(fernstrom(tmp_path))]).stdout
+
+
+def test_the_spiral_is_drawn_with_its_fold(tmp_path: Path) -> None:
+    (panel,) = panels(of_nomoto(fernstrom(tmp_path)))
+    (curve,) = panel.curves
+    starboard = curve.y > 0.0
+    assert curve.x[starboard].max() == pytest.approx(0.8961, rel=1e-3)  # port rudder, and yet
+    arguments = ["spiral", str(tmp_path / "fernstrom.toml"), "--plot", str(tmp_path / "s.svg")]
+    assert CliRunner().invoke(manoeuvre, arguments).exit_code == 0
+    assert "steady turns" in (tmp_path / "s.svg").read_text()
+
+
+def test_lever_arms_give_the_gains_of_their_table() -> None:
+    """The table of lever arms of section 2.4 as MI 3.4 re-derives it."""
+    ship = steering_of(load_vessel("bb2"), SPEED)
+    l_v, l_r, l_delta, margin = ship.levers
+    (Y_v, Y_r), Y_delta = ship.F[0], ship.g[0]
+    assert pytest.approx(Y_delta * (l_delta - l_v) / (-Y_r * margin)) == ship.nomoto.K
+    assert ship.nomoto.K_v == pytest.approx(Y_delta * (l_delta - l_r) / (Y_v * margin))
+    assert (margin > 0.0) == ship.nomoto.stable
+
+
+def test_lever_arms_of_a_fit_are_those_of_its_derivatives() -> None:
+    model, truth = MODELS["1"], TANKER.truth
+    values = model.vector(**truth)
+    arms = arms_of(model, values, TANKER.ship)
+    # Sea Splendour, 329 m: N_v/Y_v, N_r/Y_r, -0.065/0.199
+    by_hand = [329.0 * 0.183 / 1.59, 329.0 * 0.125 / 0.616, -329.0 * 0.065 / 0.199]
+    assert arms == pytest.approx([*by_hand, by_hand[1] - by_hand[0]])
+    assert (arms[3] > 0.0) == nomoto_of(model, values, TANKER.ship).stable
+
+
+def test_a_boat_has_lever_arms_at_each_speed_and_a_nomoto_ship_one_speed(tmp_path: Path) -> None:
+    page = CliRunner().invoke(steering, ["bb2", "--speed", "5", "--speed", "10"]).stdout
+    assert page.count("straight course stable, l_r - l_v = ") == 2
+    refused = CliRunner().invoke(steering, [str(fernstrom(tmp_path)), "--speed", "5"])
+    assert refused.exit_code == 2
+    assert "--speed is for boats" in refused.output

@@ -165,13 +165,20 @@ class IdentifyOptions(TypedDict, total=False):
     noise: Literal["output-error", "innovations", "covariance"] | None
     method: Literal["scoring", "bfgs", "direct"] | None
     exact: bool
+    system: File | None
+    reject: float | None
     every: int | None
     begin: float | None
     end: float | None
+    simulate: bool
     against: Literal["1", "2", "3", "nomoto1", "nomoto2"] | None
     without: str | Sequence[str] | None
     check: File | None
     kappa: File | None
+    bech: File | None
+    spiral: File | None
+    joint: bool
+    matrices: bool
 
 
 def identify_ship(

@@ -10,7 +10,7 @@ import click
 
 from trainer.cli.answers import AHEAD, Number, outputs, show
 from trainer.cli.shared_options import CSV, FILE, HTML, SEA, TOML, VESSEL, VESSEL_HELP, together
-from trainer.cli.types import File
+from trainer.cli.types import Deeper, File
 
 if TYPE_CHECKING:
     from trainer.identify.pages.results import Identified
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 CHANNELS: Final = ("sway", "yaw_rate", "heading")
 RECORD: Final = File(".toml", ".trainer", ".csv")
+SYSTEM: Final = File(".toml", ".py")
+TURNS: Final = File(".toml", ".csv")
 POSITIVE: Final = Number(0.0, 1e6, min_open=True)
 
 
@@ -121,6 +123,36 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
 
 
 @click.command()
+@click.argument("vessel", type=VESSEL)
+@click.option("--speed", "speeds", type=AHEAD, multiple=True, metavar="KN", help="May be repeated.")
+@outputs
+def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
+    """Show gains, lever arms, and the spiral of a boat or a Nomoto ship.
+
+    VESSEL is a name, or the path of a vessel file or a Nomoto file.
+
+    \b
+    Example:  trainer steering bb2 --speed 5 --speed 10
+              trainer steering ship.toml --plot spiral.png
+
+    The speed is the vessel's own unless it is given; that of a Nomoto ship is in its file.
+    """
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.identify.nomoto import is_nomoto  # noqa: PLC0415
+    from trainer.identify.pages import steering as page  # noqa: PLC0415
+
+    path = Path(vessel)
+    if path.suffix == ".toml" and is_nomoto(path):
+        if speeds:
+            raise click.UsageError(f"{vessel} is a Nomoto ship: --speed is for boats")
+        report = page.of_nomoto(path)
+    else:
+        file = load_vessel(vessel)
+        report = page.of_vessel(file, speeds or (file.run.start_speed_kn,))
+    show(report, page.render, lambda: page.panels(report), options)
+
+
+@click.command()
 @click.argument("file", type=TOML)
 @click.option("--smooth", is_flag=True, help="Smooth the track by Spencer's 15 points first.")
 @click.option("--csv", type=CSV, default=None, metavar="FILE", help="Write the track as a record.")
@@ -174,34 +206,65 @@ model_options = together(
         help="Minimiser. [default: scoring, by BFGS where it gets no further]",
     ),
     click.option("--exact", is_flag=True, help="Add no sensor noise to a recording's exact state."),
+    click.option("--system", type=SYSTEM, default=None, help="Your own: matrices, or a program."),
+    click.option(
+        "--reject",
+        type=Number(0.0, 0.5, min_open=True),
+        default=None,
+        metavar="P",
+        help="Leave samples out that are less probable.",
+    ),
     click.option("--every", type=click.IntRange(1, 1000), default=None, help="Thin the record."),
     click.option("--from", "begin", type=Number(), default=None, help="First second."),
     click.option("--to", "end", type=Number(), default=None, help="Last second."),
 )
 
 
-@click.command()
-@click.argument("file", type=RECORD, required=False)
+@click.command(cls=Deeper)
+@click.argument("files", type=RECORD, nargs=-1, metavar="FILE [RECORD]...")
 @model_options
+@click.option("--simulate", is_flag=True, help="Estimate nothing: the model as it starts.")
+@click.option("--data-only", is_flag=True, help="Show and plot the record alone.")
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
 @click.option("--most", type=click.IntRange(1, 10), default=None, help="Highest ARMAX order.")
 @click.option("--against", type=click.Choice(MODELS), help="Test it against a simpler model.")
 @click.option("--without", multiple=True, metavar="NAME", help="Test it without this parameter.")
 @click.option("--check", type=RECORD, default=None, help="Another record to predict, as a test.")
 @click.option("--kappa", type=RECORD, default=None, help="A record of large manoeuvres, for kappa.")
+@click.option("--bech", type=RECORD, default=None, help="The same, for Bech's H(r), three terms.")
+@click.option("--spiral", type=TURNS, default=None, help="Steady turns, for H(r); times not read.")
+@click.option("--joint", is_flag=True, help="K, T1, T2, T3 too from both records, with the curve.")
+@click.option("--matrices", is_flag=True, help="Show the system and covariance matrices.")
+@click.option("--csv", type=CSV, default=None, metavar="FILE", help="Write it sample by sample.")
 @click.option("--checkpoint", type=FILE, default=None, help="Keep the search in this file.")
 @click.option("--write-nomoto", type=TOML, default=None, help="Write the ship in few numbers.")
 @click.option("--write-vessel", type=TOML, default=None, help="Write the vessel file changed.")
 @click.option("--html", type=HTML, default=None, metavar="FILE", help="Write one HTML page.")
+@click.option(
+    "--example",
+    is_flag=False,
+    flag_value="",
+    default=None,
+    metavar="[FOLDER]",
+    help="Fit the record shipped as an example; with FOLDER, a copy of it there.",
+)
 @click.option("--selftest", is_flag=True, help="Run the acceptance tests of identification.")
 @outputs
-def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa: FBT001
+def identify(
+    files: tuple[Path, ...],
+    selftest: bool,  # noqa: FBT001
+    example: str | None,
+    **options: Any,
+) -> None:
     """Identify a ship from a record of helm and motion (LISPID).
 
-    FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it.
+    FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it. Further
+    records are of the same ship, and are fitted together with the first.
+    `trainer identify new RECORD` writes a study of any CSV file.
 
     \b
-    Example:  trainer identify study.toml --plot fit.png
+    Example:  trainer identify --example
+              trainer identify study.toml --plot fit.png
               trainer identify trial.trainer --model 1 --vessel bb2 --write-vessel bb2-found.toml
               trainer identify trial.csv --armax --most 5
 
@@ -214,14 +277,65 @@ def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa
         from trainer.verify.cases.selftest import run_selftest  # noqa: PLC0415
 
         sys.exit(0 if run_selftest(click.echo) else 1)
-    if file is None:
+    if example is not None:
+        files = (_example(files, example),)
+    if not files:
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
     from trainer.identify.options import study_of  # noqa: PLC0415
 
-    study = study_of(file, options)
+    study = study_of(files[0], {**options, "further": files[1:]})
+    if options["data_only"]:
+        sys.exit(_data(study, options))
     if options["armax"]:
         sys.exit(_armax(study, options))
     sys.exit(_model(study, options))
+
+
+@identify.below
+@click.command()
+@click.argument("record", type=File(".csv", ".trainer"))
+@click.option("-o", "--output", type=TOML, default=None, metavar="FILE", help="[default: beside]")
+@click.option("--length", type=POSITIVE, default=None, help="Of the ship, metres.")
+@click.option("--at", "knots", type=AHEAD, default=None, help="Speed, knots.")
+def new(record: Path, output: Path | None, length: float | None, knots: float | None) -> None:
+    """Write a study of a record with comments, to be corrected; never over another file.
+
+    Columns are told by their names and units, the sign of the rudder by how the ship turns.
+
+    \b
+    Example:  trainer identify new trial.csv --length 70.2 --at 10
+              trainer identify new trial.csv -o study.toml
+    """
+    from trainer.identify.proposal import write_proposal  # noqa: PLC0415
+
+    path = output or record.with_suffix(".toml")
+    found = write_proposal(record, path, length, knots)
+    columns = ", ".join(f"{key} in {one.name}" for key, one in found.columns.items())
+    click.echo(f"{path}: {found.rows} rows every {found.interval:.6g} s: {columns}")
+    for remark in found.remarks:
+        click.echo(f"  {remark}")
+    lacking = "" if length else "fill in the length of [ship]; "
+    click.echo(f"{lacking}fit it by: trainer identify {path}")
+
+
+def _example(files: tuple[Path, ...], folder: str) -> Path:
+    """Return the study shipped as an example, copied to a folder if one is given."""
+    from trainer.config.files import ConfigError, read_text, shipped, write_once  # noqa: PLC0415
+
+    if files:
+        raise click.UsageError("--example has a record of its own: give no FILE")
+    study = shipped("records", "example")
+    if not folder:
+        return study
+    place = Path(folder)
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"--example {folder}: cannot be made: {error.strerror}") from error
+    for path in (study, study.with_suffix(".csv")):
+        write_once(place / path.name, read_text(path))
+        click.echo(f"{place / path.name} written", err=True)
+    return place / study.name
 
 
 @contextlib.contextmanager
@@ -237,17 +351,26 @@ def _announcing() -> Iterator[None]:
         compiled.touch()
 
 
+def _data(study: Any, options: dict[str, Any]) -> int:
+    """Show a record alone; return the exit code."""
+    from trainer.identify.pages import record as page  # noqa: PLC0415
+
+    report, screens = page.carry_out(study)
+    show(report, page.render, lambda: screens, options)
+    return 0
+
+
 def _armax(study: Any, options: dict[str, Any]) -> int:
     """Fit ARMAX models and show them; return the exit code."""
     from trainer.identify.pages import armax as page  # noqa: PLC0415
 
     report, orders = page.carry_out(study)
     if options["html"]:
-        from trainer.identify.pages.sheet import sheet  # noqa: PLC0415
+        from trainer.identify.pages.identify import sheet  # noqa: PLC0415
 
-        text = sheet(report.study, page.render(report), page.panels(report, orders), report)
+        text = sheet(report.study, page.render(report), page.screens(orders), report)
         _write(options["html"], text)
-    show(report, page.render, lambda: page.panels(report, orders), options)
+    show(report, page.render, lambda: page.screens(orders), options)
     return 0
 
 
@@ -261,9 +384,8 @@ def fit_ship(study: Any, options: dict[str, Any]) -> "Identified":
 
 def _model(study: Any, options: dict[str, Any]) -> int:
     """Fit a ship model and show it; return the exit code."""
-    from trainer.identify.outcome import nomoto_text, vessel_text  # noqa: PLC0415
+    from trainer.identify.outcome import nomoto_text, vessel_text, write_series  # noqa: PLC0415
     from trainer.identify.pages import identify as page  # noqa: PLC0415
-    from trainer.identify.pages.sheet import sheet  # noqa: PLC0415
 
     found = fit_ship(study, options)
     report = found.report
@@ -271,10 +393,12 @@ def _model(study: Any, options: dict[str, Any]) -> int:
         _write(options["write_nomoto"], nomoto_text(found.fitted, report.bend))
     if options["write_vessel"]:
         _write(options["write_vessel"], vessel_text(found.fitted))
+    if options["csv"]:
+        write_series(found.fitted, options["csv"])
     if options["html"]:
-        text = sheet(report.study, page.render(report), page.panels(found), report)
+        text = page.sheet(report.study, page.render(report), page.screens(found), report)
         _write(options["html"], text)
-    show(report, page.render, lambda: page.panels(found), options)
+    show(report, page.render, lambda: page.screens(found), options)
     return 0 if report.converged else 1
 
 

@@ -90,7 +90,12 @@ SECTIONS: Final = {
     ),
     "The programs of 1969": programs.PROGRAMS,
     "Many boats": (sweep.sweep,),
-    "A ship from its recordings": (identify.identify, identify.prbs, identify.decca),
+    "A ship from its recordings": (
+        identify.identify,
+        identify.prbs,
+        identify.decca,
+        identify.steering,
+    ),
     "Proofs": (verify.soak, verify.fuzz),
     "This machine, and others": (
         verify.bench,

@@ -60,6 +60,32 @@ class Commands(click.Group):
         return list(self.commands)
 
 
+class Deeper(click.Command):
+    """A command that has others below it, each by its first word."""
+
+    def __init__(self, *args: Any, **attributes: Any) -> None:
+        super().__init__(*args, **attributes)
+        self.commands: dict[str, click.Command] = {}
+
+    def below(self, command: click.Command) -> click.Command:
+        """Add a command; return it."""
+        self.commands[command.name or ""] = command
+        return command
+
+    def make_context(
+        self, info_name: str | None, args: list[str], *given: Any, **more: Any
+    ) -> click.Context:
+        """Return the context of what is typed: this command's, or that of one below it."""
+        if args and args[0] in self.commands:
+            below = self.commands[args[0]]
+            return below.make_context(f"{info_name} {args[0]}", args[1:], *given, **more)
+        return super().make_context(info_name, args, *given, **more)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Return what the command typed does."""
+        return super().invoke(ctx) if ctx.command is self else ctx.command.invoke(ctx)
+
+
 class Duration(click.ParamType[float]):
     """A time: 90, 90s, 10m, 1h, 1h30m."""
 

@@ -88,8 +88,8 @@ def _test_smaller(fitted: Fitted, smaller: Study, name: str) -> Rival:
     table = table_of(smaller)
     if (table.predict_from or 1, table.predict_to or 1) != (1, 1):
         raise ConfigError("order tests need the likelihood: predict one step, not more")
-    other = fit(smaller, fitted.record, unheard)
-    count, own = len(other.problem.free), len(fitted.problem.free)
+    other = fit(smaller, fitted.record, unheard, others=fitted.others)
+    count, own = len(other.problem.names), len(fitted.problem.names)
     test = ratio_test((other.log_likelihood, count), (fitted.log_likelihood, own))
     return Rival(
         name=name,
@@ -115,14 +115,15 @@ QUANTITIES_OF: Final = 1000  # draws that intervals of gains and time constants 
 MOTIONS_OF: Final = 200  # draws that are run
 SETTLED: Final = 6.0  # time constants, that a response is shown for
 SHORTEST: Final = 20  # [samples] of it
+ANSWERS: Final = ("yaw_rate", "heading", "sway")  # to the rudder, in Bode figures
 LEVERS: Final = {"l_delta": "Y_delta", "l_psi": "Y_psi"}  # and the forces that they are arms of
 PAIRED: Final = 0.025  # [-] share of complex pairs from which T1 and T2 are not told apart
 
 
 class Band(NamedTuple):
-    """The range of 95 % of the ships: lowest, middle and highest at each time."""
+    """The range of 95 % of the ships, lowest to highest, and the middle."""
 
-    t: Numbers  # (n,) [s]
+    t: Numbers  # (n,) [s], or [rad/s]
     low: Numbers  # (n, y)
     middle: Numbers
     high: Numbers
@@ -155,19 +156,42 @@ class Allowed:
         return self._band(self.problem, None)
 
     def response(self, inputs: Numbers) -> Band:
-        """Return what the rudder ``inputs`` (n,) [deg] does to the outputs, every interval."""
+        """Return what ``inputs`` (n, u), a rudder [deg], do to the outputs, every interval."""
         t = np.arange(len(inputs), dtype=np.float64) * self.problem.plant.period
         still = np.zeros((len(inputs), len(self.problem.plant.outputs)))
-        under = self.problem.on(Samples(t, still, inputs[:, None]))
-        return self._band(under, under.on(Samples(t, still, np.zeros((len(t), 1)))))
+        under = self.problem.on(Samples(t, still, inputs))
+        return self._band(under, under.on(Samples(t, still, np.zeros_like(inputs))))
+
+    def bode(self, omega: Numbers) -> tuple[tuple[str, ...], Band, Band]:
+        """Return outputs, gain [dB] and phase [deg] at ``omega`` (w,) [rad/s], rudder to starboard.
+
+        The gain is of the models' units: 1/s of yaw rate, 1 of heading, kn/deg of sway.
+        """
+        plant = self.problem.plant
+        outputs = tuple(name for name in ANSWERS if name in plant.model.outputs)
+        whole = np.array([self.problem.whole(theta) for theta in self.sailing])
+        blocks, n = replace(plant, outputs=outputs).blocks(whole), plant.model.states
+        A, C = blocks.drift[:, :n, :n], blocks.drift[:, n:, :n]
+        b, d = blocks.drift[:, :n, n : n + 1], blocks.drift[:, n:, n : n + 1]
+        s = 1j * omega[:, None, None, None]
+        gain = -(C @ np.linalg.solve(s * np.eye(n) - A, b + 0j) + d)[..., 0]
+        gain *= np.exp(-s[..., 0] * blocks.lag[:, None])
+        phase = np.unwrap(np.degrees(np.angle(gain)), period=360.0, axis=0)
+        phase -= 360.0 * np.ceil((phase[0] - 60.0) / 360.0)  # from +60 to -300 at first
+        sizes = 20.0 * np.log10(np.maximum(np.abs(gain), 1e-300))
+        return outputs, _spread(omega, sizes), _spread(omega, phase)
 
     def _band(self, under: Problem, without: Problem | None) -> Band:
         """Return the band of the outputs ``under`` a rudder, less those ``without`` it."""
         runs = np.array([alone(under, theta) for theta in self.sailing])
         if without is not None:
             runs -= np.array([alone(without, theta) for theta in self.sailing])
-        low, middle, high = np.quantile(runs, (TAIL, 0.5, 1.0 - TAIL), axis=0)
-        return Band(under.samples.t, low, middle, high)
+        return _spread(under.samples.t, runs.swapaxes(0, 1))
+
+
+def _spread(t: Numbers, found: Numbers) -> Band:
+    """Return the band of numbers (n, ships, y)."""
+    return Band(t, *np.quantile(found, (TAIL, 0.5, 1.0 - TAIL), axis=1))
 
 
 def draw_allowed(fitted: Fitted) -> Allowed:
@@ -176,12 +200,11 @@ def draw_allowed(fitted: Fitted) -> Allowed:
     covariance = np.nan_to_num(fitted.known.covariance, nan=0.0)
     theta = fitted.found.theta
     every = _draw_parameters(problem.names, theta, covariance)
-    numbers, spans = span_draws(
-        lambda one: quantities(plant.model, problem.whole(one), plant.ship), every
-    )
+    numbers, spans = span_draws(lambda one: quantities(plant, problem.whole(one)), every)
     if np.isnan(fitted.told.covariance).any():
         spans = Span(*(np.full_like(end, math.nan) for end in spans))
-    swing = numbers[:, fitted.quantity_names.index("T_imag")]
+    swinging = "T_imag" in fitted.quantity_names
+    swing = numbers[:, fitted.quantity_names.index("T_imag")] if swinging else np.zeros(1)
     return Allowed(problem, every, spans, float(np.mean(swing != 0.0)))
 
 

@@ -22,20 +22,16 @@ from trainer.config.schema import (
     tables_of,
     within,
 )
+from trainer.config.tables import Table, read_table
 from trainer.core.kernel import Numbers
-from trainer.identify.decca import (
-    LETTERS,
-    ZONES,
-    Fix,
-    Point,
-    Slave,
-    along,
+from trainer.identify.decca import LETTERS, ZONES, Fix, Point, Slave, lane_number, track
+from trainer.identify.study_records import TURNING
+from trainer.identify.track import (
+    Drift,
     derivative,
     even_interval,
-    lane_number,
     smooth_spencer,
-    sway_of_track,
-    track,
+    through_water,
 )
 from trainer.io.atomic_write import replacing
 from trainer.units import KNOT
@@ -62,6 +58,7 @@ class Heading:
     )
     current_east_kn: float | None = optional(Quantity("kn", within(-20, 20), "taken off; else 0"))
     current_north_kn: float | None = optional(Quantity("kn", within(-20, 20), "likewise"))
+    positive_rudder: str | None = optional(TURNING)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,6 +84,7 @@ class ColumnNames:
     t_s: str | None = optional(Text(80, "times [s]; else t"))
     heading_deg: str | None = optional(Text(80, "true heading [deg]; else heading"))
     yaw_rate_deg_s: str | None = optional(Text(80, "yaw rate; else from the heading"))
+    rudder_deg: str | None = optional(Text(80, "rudder, for the record written; else none"))
     red: str | None = optional(Text(80, "red lanes, D12.34 or numbers; else red"))
     green: str | None = optional(Text(80, "green lanes; else green"))
     purple: str | None = optional(Text(80, "purple lanes; else purple"))
@@ -173,80 +171,52 @@ def _chain(rows: tuple[SlaveRow, ...], place: Place) -> dict[str, Slave]:
 
 @dataclass(frozen=True)
 class Readings:
-    """Rows of the CSV file: times [s], heading and yaw rate [rad, rad/s], lanes."""
+    """Columns of the CSV file: times [s], heading, yaw rate, rudder [rad, rad/s], lanes."""
 
-    t: list[float]
-    heading: list[float]
-    yaw_rate: list[float] | None
+    t: Numbers
+    heading: Numbers
+    yaw_rate: Numbers | None
+    rudder: Numbers | None
     lanes: list[dict[str, float]]
 
 
 def load_readings(file: DeccaFile) -> Readings:
     """Return the readings of a study; ConfigError naming row and column of what is wrong."""
-    path = file.path.parent / file.heading.data
-    columns = file.columns
-    wanted = {"t": columns.t_s or "t", "heading": columns.heading_deg or "heading"}
-    wanted |= {colour: getattr(columns, colour) or colour for colour in file.chain}
-    if columns.yaw_rate_deg_s:
-        wanted["yaw_rate"] = columns.yaw_rate_deg_s
-    rows = _rows(path, wanted)
-    turn = math.radians
+    table, columns = read_table(file.path.parent / file.heading.data), file.columns
+    t = table.known(table.place(columns.t_s or "t"))
+    heading = table.known(table.place(columns.heading_deg or "heading"))
+    lanes = {colour: _lanes(table, colour, columns) for colour in file.chain}
+    rate, rudder = columns.yaw_rate_deg_s, columns.rudder_deg
+    sign = -1.0 if file.heading.positive_rudder == "starboard" else 1.0
     return Readings(
-        t=[row["t"] for row in rows],
-        heading=[turn(row["heading"]) for row in rows],
-        yaw_rate=[turn(row["yaw_rate"]) for row in rows] if "yaw_rate" in wanted else None,
-        lanes=[{colour: row[colour] for colour in file.chain} for row in rows],
+        t=t,
+        heading=np.radians(heading),
+        yaw_rate=np.radians(table.known(table.place(rate))) if rate else None,
+        rudder=sign * np.radians(table.known(table.place(rudder))) if rudder else None,
+        lanes=[dict(zip(lanes, row, strict=True)) for row in zip(*lanes.values(), strict=True)],
     )
 
 
-def _rows(path: Path, wanted: Mapping[str, str]) -> list[dict[str, float]]:
-    """Return the wanted columns of each row; ConfigError naming the first fault."""
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            table = csv.DictReader(file)
-            names = table.fieldnames or []
-            lacking = [name for name in wanted.values() if name not in names]
-            if lacking:
-                raise ConfigError(
-                    f"{path}: no column {lacking[0]!r}{nearest(lacking[0], names)}; "
-                    f"it has {', '.join(names)}"
-                )
-            return [
-                {key: _cell(path, table.line_num, key, row[name]) for key, name in wanted.items()}
-                for row in table
-            ]
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise ConfigError(f"{path}: is not a CSV text: {error}") from error
+def _lanes(table: Table, colour: str, columns: ColumnNames) -> list[float]:
+    """Return the lanes of a colour, NaN where a cell is empty; ConfigError naming the row."""
+    place = table.place(getattr(columns, colour) or colour)
+    return [_lane(table, row, place, colour) for row in range(len(table.cells))]
 
 
-def _cell(path: Path, line: int, key: str, text: str | None) -> float:
-    """Return a number, of a colour the lane it names; an empty lane is NaN."""
-    text = (text or "").strip()
-    if key in ZONES:
-        if not text:
-            return math.nan
-        if text[0].upper() in LETTERS:
-            try:
-                return lane_number(key, text)
-            except ConfigError as wrong:
-                raise ConfigError(f"{path}: row {line}: {wrong}") from None
+def _lane(table: Table, row: int, place: int, colour: str) -> float:
+    """Return the lane that a cell names or counts; ConfigError naming the row."""
+    text = table.cells[row][place]
+    if text[:1].upper() not in tuple(LETTERS):
+        return table.number(row, place, text)
     try:
-        number = float(text)
-    except ValueError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise ConfigError(f"{path}: row {line}: {key} = {text!r}: must be a number")
-    return number
+        return lane_number(colour, text)
+    except ConfigError as wrong:
+        raise ConfigError(f"{table.path}: row {table.lines[row]}: {wrong}") from None
 
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/identification.md shows them."""
     return tables_of(RECORDS)
-
-
-HEADS: Final = ("t", "east", "north", "psi", "r", "v", "u")
 
 
 @dataclass(frozen=True)
@@ -261,6 +231,7 @@ class Sailed:
     yaw_rate: Numbers
     sway: Numbers  # [m/s] through the water at the point wanted
     ahead: Numbers  # [m/s] likewise
+    rudder: Numbers | None  # as read
     colours: tuple[str, ...]  # that each fix is by, "" for none
 
     @property
@@ -274,27 +245,18 @@ def sail(file: DeccaFile, readings: Readings, *, smooth: bool) -> Sailed:
 
     ConfigError if too few rows have a fix, or times are not even.
     """
-    t = np.array(readings.t)
+    t = readings.t
     interval = even_interval(t, str(file.path.parent / file.heading.data))
     fixes = track(file.chain, readings.lanes, file.start)
     if sum(fix is not None for fix in fixes) < 5:
         raise ConfigError(f"{file.path.name}: fewer than 5 rows give a fix; is the start right?")
     east, north = (_coordinate(fixes, axis) for axis in (0, 1))
-    heading = np.unwrap(np.array(readings.heading))
-    heading -= math.radians(file.heading.convergence_deg or 0.0)
-    rate = derivative(heading, interval)
-    if readings.yaw_rate is not None:
-        rate = np.array(readings.yaw_rate)
+    heading = np.unwrap(readings.heading) - math.radians(file.heading.convergence_deg or 0.0)
+    rate = derivative(heading, interval) if readings.yaw_rate is None else readings.yaw_rate
     scale = file.heading.grid_scale or 1.0
-    course = float(heading[0])
-    x0, y0 = along(east / scale, north / scale, course)
-    if smooth:
-        x0, y0 = smooth_spencer(x0), smooth_spencer(y0)
-    over_ground = sway_of_track(x0, y0, heading - course, interval)
-    turned = heading - course
-    x_rate, y_rate = derivative(x0, interval), derivative(y0, interval)
-    ahead = x_rate * np.cos(turned) + y_rate * np.sin(turned)
-    current_ahead, current_aside = _current(file, heading)
+    x, y = (smooth_spencer(one) if smooth else one for one in (east / scale, north / scale))
+    ground = derivative(x, interval), derivative(y, interval)
+    ahead, sway = through_water(*ground, heading, rate, _drift(file))
     return Sailed(
         source=file.heading.name,
         t=t,
@@ -302,8 +264,9 @@ def sail(file: DeccaFile, readings: Readings, *, smooth: bool) -> Sailed:
         north=north,
         heading=heading,
         yaw_rate=rate,
-        sway=over_ground - rate * file.antenna - current_aside,
-        ahead=ahead - current_ahead,
+        sway=sway,
+        ahead=ahead,
+        rudder=readings.rudder,
         colours=tuple("+".join(fix.colours) if fix else "" for fix in fixes),
     )
 
@@ -313,30 +276,23 @@ def _coordinate(fixes: list[Fix | None], axis: int) -> Numbers:
     return np.array([fix.place[axis] if fix else math.nan for fix in fixes])
 
 
-def _current(file: DeccaFile, heading: Numbers) -> tuple[Numbers, Numbers]:
-    """Return the current [m/s] ahead and to starboard of the ship."""
-    east = KNOT * (file.heading.current_east_kn or 0.0)
-    north = KNOT * (file.heading.current_north_kn or 0.0)
-    s, c = np.sin(heading), np.cos(heading)
-    return north * c + east * s, east * c - north * s
+def _drift(file: DeccaFile) -> Drift:
+    """Return current and antenna of a study."""
+    east, north = file.heading.current_east_kn, file.heading.current_north_kn
+    return Drift(KNOT * (east or 0.0), KNOT * (north or 0.0), file.antenna)
 
 
 def write_track(sailed: Sailed, path: Path) -> None:
     """Write the track as CSV, SI and radians, a missing value empty. ConfigError if it cannot."""
-    columns = (
-        sailed.t,
-        sailed.east,
-        sailed.north,
-        sailed.heading,
-        sailed.yaw_rate,
-        sailed.sway,
-        sailed.ahead,
-    )
+    columns = {"t": sailed.t, "east": sailed.east, "north": sailed.north}
+    columns |= {"psi": sailed.heading, "r": sailed.yaw_rate, "v": sailed.sway, "u": sailed.ahead}
+    if sailed.rudder is not None:
+        columns["delta_r"] = sailed.rudder
     try:
         with replacing(path) as made, made.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(HEADS)
-            for row in zip(*columns, strict=True):
+            writer.writerow(columns)
+            for row in zip(*columns.values(), strict=True):
                 writer.writerow(["" if math.isnan(x) else repr(float(x)) for x in row])
     except OSError as error:
         raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from error

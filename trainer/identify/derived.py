@@ -6,9 +6,18 @@ from typing import Final
 
 import numpy as np
 
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.models import Model, Ship
-from trainer.identify.nomoto import Nomoto, Transfer, nomoto, solve_motion, time_constants, transfer
+from trainer.identify.models import Model, Plant, Ship
+from trainer.identify.nomoto import (
+    Nomoto,
+    Transfer,
+    levers,
+    nomoto,
+    solve_motion,
+    time_constants,
+    transfer,
+)
 
 QUANTITIES: Final = {  # and their units
     "K": "1/s",
@@ -23,6 +32,11 @@ QUANTITIES: Final = {  # and their units
     "T1 T2": "s^2",
     "1/T1": "1/s",  # above zero: the ship keeps a straight course
     "1/K": "s",
+    # of Model 1: lever arms of sway, yaw and rudder, and the margin of stability, above zero
+    "l_v": "m",
+    "l_r": "m",
+    "N_delta/Y_delta": "m",
+    "l_r - l_v": "m",
 }
 DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "N_delta")
 
@@ -31,7 +45,10 @@ def nomoto_of(model: Model, values: Numbers, ship: Ship) -> Nomoto:
     """Return gains and time constants [SI] of a model's parameters (n,), wind eliminated (3.3, 5).
 
     What a model does not have is zero: sway with Models 3 and Nomoto's, yaw with Model 2.
+    ConfigError for a user's own system.
     """
+    if model.name not in _KINDS:
+        raise ConfigError(f"model {model.name} is no ship with K and T")
     named = dict(zip(model.names, map(float, values), strict=True))
     return _KINDS[model.name](named, ship)
 
@@ -39,9 +56,22 @@ def nomoto_of(model: Model, values: Numbers, ship: Ship) -> Nomoto:
 def _model_1(p: dict[str, float], ship: Ship) -> Nomoto:
     L, V = ship.length, ship.speed
     E = np.array([[p["m11"], L * p["m12"]], [p["m21"], L * p["m22"]]]) * L / V**2
+    return nomoto(transfer(*solve_motion(E, *_forces(p, ship))))
+
+
+def _forces(p: dict[str, float], ship: Ship) -> tuple[Numbers, Numbers]:
+    """Return Model 1's forces by sway and yaw (2, 2), and by rudder (2,)."""
+    L, V = ship.length, ship.speed
     F = np.array([[p["Y_v"] / V, L / V * p["Y_r"]], [p["N_v"] / V, L / V * p["N_r"]]])
-    g = p["Y_delta"] * np.array([1.0, -p["l_delta"]])
-    return nomoto(transfer(*solve_motion(E, F, g)))
+    return F, p["Y_delta"] * np.array([1.0, -p["l_delta"]])
+
+
+def arms_of(model: Model, values: Numbers, ship: Ship) -> Numbers:
+    """Return lever arms and stability margin [m] of Model 1, zero of the others (3.4)."""
+    if model.name != "1":
+        return np.zeros(4)
+    p = dict(zip(model.names, map(float, values), strict=True))
+    return ship.length * np.array(levers(*_forces(p, ship)))
 
 
 def _model_2(p: dict[str, float], ship: Ship) -> Nomoto:
@@ -94,9 +124,15 @@ def derivatives(model: Model, values: Numbers) -> Numbers:
     return np.array([*own, -p["Y_delta"] * p["l_delta"]])
 
 
-def quantities(model: Model, values: Numbers, ship: Ship) -> Numbers:
-    """Return derivatives, if the model has such, and the numbers of QUANTITIES [SI]."""
-    ship_like = nomoto_of(model, values, ship)
+def quantities(plant: Plant, values: Numbers) -> Numbers:
+    """Return derivatives, if the model has such, and the numbers of QUANTITIES [SI].
+
+    Of a user's own system, what it tells.
+    """
+    model = plant.model
+    if model.system is not None:
+        return model.system.tell(plant, values)
+    ship_like = nomoto_of(model, values, plant.ship)
     T1, T2 = ship_like.T1, ship_like.T2
     told = [
         ship_like.K,
@@ -111,10 +147,14 @@ def quantities(model: Model, values: Numbers, ship: Ship) -> Numbers:
         (T1 * T2).real,
         (1.0 / T1).real if T1 else math.inf,
         1.0 / ship_like.K if ship_like.K else 0.0,
+        *arms_of(model, values, plant.ship),
     ]
     return np.concatenate([derivatives(model, values), told])
 
 
-def quantity_names(model: Model) -> tuple[str, ...]:
-    """Return the names of what ``quantities`` returns."""
-    return (*(DERIVATIVES if model.name == "1" else ()), *QUANTITIES)
+def quantity_units(model: Model) -> dict[str, str]:
+    """Return the names of what ``quantities`` returns, and units."""
+    if model.system is not None:
+        return dict(model.system.quantities)
+    derivatives_of = DERIVATIVES if model.name == "1" else ()
+    return dict.fromkeys(derivatives_of, "-") | QUANTITIES

@@ -8,7 +8,7 @@ import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.derived import quantities, quantity_names
+from trainer.identify.derived import quantities, quantity_units
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Record, samples_of
 from trainer.identify.models import MODELS, UNITS, Plant, Ship
@@ -87,11 +87,11 @@ def prospect(
         told = "; ".join(" with ".join(group) for group in lost)
         raise ConfigError(f"such a record cannot separate {told}")
     found = propagate(
-        lambda theta: quantities(model, problem.whole(theta), plant.ship),
+        lambda theta: quantities(plant, problem.whole(theta)),
         problem.start,
         known.covariance,
     )
-    names = quantity_names(model)
+    names = quantity_units(model)
     return Prospect(
         model=kind,
         samples=len(record.t),

@@ -14,6 +14,7 @@ from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
 from trainer.identify.minimise import (
+    CLOSE,
     Cost,
     Found,
     Search,
@@ -134,7 +135,7 @@ def _best(cost: Cost, theta: Numbers, found: Found, starts: Starts) -> Found:
     """
     unbeaten = 0
     for begin in _others(cost, theta, starts):
-        other = _approach(cost, begin, found.cost)
+        other = _approach(cost, begin, found)
         faster, fast = (is_too_fast(cost.problem, one.theta) for one in (other, found))
         better = fast if faster != fast else other.cost < found.cost
         same = faster == fast and other.cost > found.cost - BEATEN
@@ -145,13 +146,19 @@ def _best(cost: Cost, theta: Numbers, found: Found, starts: Starts) -> Found:
     return replace(found, converged=False, doubt=found.doubt or "other starts keep finding better")
 
 
-def _approach(cost: Cost, begin: Numbers, best: float) -> Found:
-    """Return where another start leads: by scoring, and settled only where it comes near."""
+def _approach(cost: Cost, begin: Numbers, best: Found) -> Found:
+    """Return where another start leads: by scoring, and settled only where it comes near.
+
+    Where it comes to the cost already known it is not looked at again.
+    """
     problem = stretch(cost, begin)
     eta, steps = scoring(problem, np.zeros(len(begin)), Search(APPROACH))
     theta = problem.theta(eta)
     value = cost.value(theta)
-    if value < best + NEARBY:
+    speeds = {is_too_fast(cost.problem, one) for one in (theta, best.theta)}
+    if best.converged and abs(value - best.cost) < CLOSE and len(speeds) == 1:
+        return best
+    if value < best.cost + NEARBY:
         return settle(problem, eta, Search(APPROACH), steps)
     return Found(theta, value, steps, converged=False)
 

@@ -5,17 +5,20 @@ What cannot be used is refused with a ConfigError; what may mislead is told.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from trainer.config.files import ConfigError
+from trainer.config.tables import EVEN
 from trainer.core.kernel import Numbers
-from trainer.identify.measurements import OUTPUTS, Record
+from trainer.identify.measurements import OUTPUTS, PLACES, Finding, Record
+from trainer.identify.study_records import Ship
+from trainer.identify.track import unwrapped
+from trainer.units import KNOT
 
 GAP: Final = 1.5  # [-] of the usual interval: a longer one is a gap
-STEADY: Final = 1e-3  # [-] of the usual interval: times that differ less are at one interval
 STILL: Final = math.radians(0.01)  # [rad] standard deviation of a rudder that does not move
 TURNED: Final = math.radians(100.0)  # [rad] no rudder goes so far, no ship turns so fast a second
 FAINT: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
@@ -27,41 +30,60 @@ MISTAKEN: Final = (  # what the yaw rate is then of the heading's change [-]
     (-1.0, "one of them is positive to port"),
     (60.0, "the rate is per minute, not per second"),
 )
+SPEEDS: Final = (  # what a speed is then of what it must be [-]
+    (KNOT, "is it in m/s?"),
+    (1.0 / KNOT, "is it in kn?"),
+    (-1.0, "is it positive to port?"),
+)
 HALF_TURN: Final = math.pi
 FEWEST: Final = 20  # samples, to judge signs and loops
+SWINGS: Final = (
+    1 / 30,
+    30.0,
+)  # [-] heading's over the rudder's, deviations: what no trial goes beyond
+TURNS: Final = 0.03, 15.0  # [-] likewise yaw rate's over the rudder's, in ship lengths a second
+PIVOT: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
+SPIKE: Final = 10.0  # [-] of the usual scatter, that one reading stands out from its neighbours
 
 
-@dataclass(frozen=True)
-class Finding:
-    """Something about a record that an analyst should know; row 0 is the whole column."""
+def examine(record: Record, ship: Ship | None = None) -> list[Finding]:
+    """Return what may mislead in a record; ConfigError with all that forbids its use.
 
-    column: str
-    row: int
-    text: str
-
-    def __str__(self) -> str:
-        where = f"row {self.row}: " if self.row else ""
-        return f"{where}{self.column}: {self.text}"
-
-
-def examine(record: Record) -> list[Finding]:
-    """Return what may mislead in a record; ConfigError with all that forbids its use."""
+    Of a ``ship`` that is known, sizes are judged by its length and speed.
+    """
     problems = [*_rudder_problems(record), *_unit_problems(record)]
     if problems:
         raise ConfigError(*(f"{record.source}: {problem}" for problem in problems))
-    found = [*_intervals(record), *_missing(record), *_jumps(record)]
-    signs = list(_wrong_sign(record))
-    return found + signs + list(_find_feedback(record)) + list(_constant_outputs(record))
+    found = [*record.told, *_intervals(record), *_missing(record), *_jumps(record)]
+    found += [*_wrong_sign(record), *_find_feedback(record), *_constant_outputs(record)]
+    return [*found, *_spikes(record), *_swing(record), *(_sizes(record, ship) if ship else ())]
+
+
+def examine_columns(record: Record) -> list[Finding]:
+    """Return what may mislead in the columns of a user's own system; ConfigError if unusable."""
+    problems, found = [], [*record.told, *_intervals(record)]
+    for name, values in record.plain.items():
+        missing = np.isnan(values)
+        count, acts = int(np.count_nonzero(missing)), name in record.driving
+        if count == len(values) or (count and acts):
+            row = record.row(int(np.argmax(missing)))
+            what = "an input must be known at each row; it is empty" if acts else "has no value"
+            problems.append(f"{record.source}: {Finding(name, row, what)}")
+        elif count:
+            text = f"{count} of {len(values)} values are missing, the first here"
+            found.append(Finding(name, record.row(int(np.argmax(missing))), text))
+        elif np.ptp(values) == 0.0:
+            found.append(Finding(name, 0, f"is {values[0]:g} in all rows"))
+    if problems:
+        raise ConfigError(*problems)
+    return found
 
 
 def unwrap_heading(record: Record) -> Record:
     """Return the record with a heading that does not jump by whole turns."""
     if record.heading is None:
         return record
-    heading = record.heading.copy()
-    known = ~np.isnan(heading)
-    heading[known] = np.unwrap(heading[known])
-    return replace(record, heading=heading)
+    return replace(record, heading=unwrapped(record.heading))
 
 
 def _rudder_problems(record: Record) -> Iterator[Finding]:
@@ -90,7 +112,7 @@ def _unit_problems(record: Record) -> Iterator[Finding]:
             record.name(channel),
             record.row(place),
             f"{values[place]:g} rad{'/s' if channel == 'yaw_rate' else ''} cannot be; "
-            "are these degrees?",
+            f'are these degrees? say unit = "deg{"/s" if channel == "yaw_rate" else ""}"',
         )
     slope = _rate_slope(record)
     if slope is None:
@@ -104,20 +126,23 @@ def _unit_problems(record: Record) -> Iterator[Finding]:
 
 def _rate_slope(record: Record) -> float | None:
     """Return the yaw rate over the rate of change of the heading [-]; None if that is not known."""
-    if record.heading is None or record.yaw_rate is None or len(record.t) < FEWEST:
+    if record.heading is None or record.yaw_rate is None:
         return None
-    step = np.diff(record.t)
-    turned = np.diff(np.unwrap(np.nan_to_num(record.heading))) / step
-    mean = 0.5 * (record.yaw_rate[1:] + record.yaw_rate[:-1])
-    good = ~np.isnan(np.diff(record.heading)) & ~np.isnan(mean)
+    turned = np.diff(np.unwrap(np.nan_to_num(record.heading))) / np.diff(record.t)
+    turned[np.isnan(np.diff(record.heading))] = np.nan
+    return _gain(0.5 * (record.yaw_rate[1:] + record.yaw_rate[:-1]), turned)
+
+
+def _gain(y: Numbers, x: Numbers) -> float | None:
+    """Return how many times ``x`` a series is; None if they have less than half in common."""
+    good = ~np.isnan(y) & ~np.isnan(x)
     if np.count_nonzero(good) < FEWEST:
         return None
-    turned, mean = turned[good] - turned[good].mean(), mean[good] - mean[good].mean()
-    if _correlation(turned, mean) ** 2 < 0.5:
+    y, x = y[good] - y[good].mean(), x[good] - x[good].mean()
+    if _correlation(x, y) ** 2 < 0.5:
         return None
     # both are noisy: the geometric mean of the two regressions favours neither
-    size = float(np.std(mean) / np.std(turned))
-    return math.copysign(size, float(turned @ mean))
+    return math.copysign(float(np.std(y) / np.std(x)), float(x @ y))
 
 
 def _correlation(a: Numbers, b: Numbers) -> float:
@@ -139,7 +164,7 @@ def _intervals(record: Record) -> Iterator[Finding]:
             record.row(first + 1),
             f"{step[first]:g} s have passed, the interval is {usual:g} s{more}",
         )
-    others = np.abs(step / usual - np.maximum(np.round(step / usual), 1.0)) > STEADY
+    others = np.abs(step / usual - np.maximum(np.round(step / usual), 1.0)) > EVEN
     if others.any():
         place = int(np.argmax(others))
         share = f"{np.count_nonzero(others)} of {step.size}"
@@ -196,22 +221,35 @@ def _wrong_sign(record: Record) -> Iterator[Finding]:
     name, largest = record.name("rudder"), float(np.max(np.abs(rudder)))
     if largest < FAINT:
         row = record.row(int(np.argmax(np.abs(rudder))))
-        yield Finding(name, row, f"{math.degrees(largest):.2g} deg is the largest: is it radians?")
-    rate = _rate(record)
-    if rate is None:
-        return
-    before = np.column_stack([rate[:-1], rudder[:-1], np.ones(len(rate) - 1)])
-    good = ~np.isnan(rate[1:]) & ~np.isnan(rate[:-1])
-    if np.count_nonzero(good) < FEWEST:
-        return
-    value, error = _slope(before[good], rate[1:][good], 1)
-    if value > SURE * error:
+        yield Finding(
+            name,
+            row,
+            f'{math.degrees(largest):.2g} deg is the largest: is it radians? say unit = "rad"',
+        )
+    turning = positive_turns(record)
+    if turning is not None and turning > 0.0:
         yield Finding(
             name,
             0,
-            f"positive helm turns this ship to starboard ({value / error:.0f} standard errors); "
+            f"positive helm turns this ship to starboard ({turning:.0f} standard errors); "
             'here it must turn to port: say positive_rudder = "starboard"',
         )
+
+
+def positive_turns(record: Record) -> float | None:
+    """Return how surely a positive rudder turns to starboard [standard errors], below 0 to port.
+
+    None if this cannot be told.
+    """
+    rate, rudder = _rate(record), record.column("rudder")
+    if rate is None:
+        return None
+    before = np.column_stack([rate[:-1], rudder[:-1], np.ones(len(rate) - 1)])
+    good = ~np.isnan(rate[1:] + rate[:-1] + rudder[:-1])
+    if np.count_nonzero(good) < FEWEST:
+        return None
+    value, error = _slope(before[good], rate[1:][good], 1)
+    return value / error if abs(value) > SURE * error else None
 
 
 def _slope(regressors: Numbers, y: Numbers, place: int) -> tuple[float, float]:
@@ -260,3 +298,84 @@ def _constant_outputs(record: Record) -> Iterator[Finding]:
         values = getattr(record, channel)
         if values is not None and channel != "speed" and np.nanstd(values) == 0.0:
             yield Finding(record.name(channel), 0, "is the same in all rows: is it recorded?")
+
+
+def _spikes(record: Record) -> Iterator[Finding]:
+    """Yield readings that stand out from both neighbours: outliers."""
+    for channel in (*OUTPUTS, *PLACES):
+        values = getattr(record, channel)
+        if values is None or len(values) < FEWEST:
+            continue
+        values = unwrapped(values) if channel in ("heading", "longitude") else values
+        steps = np.abs(np.diff(values))
+        off = values[1:-1] - 0.5 * (values[2:] + values[:-2])
+        least = np.nanmin(steps, where=steps > 0.0, initial=np.inf)  # of a rounded reading
+        limit = SPIKE * max(1.5 * float(np.nanmedian(np.abs(off))), float(least))
+        # a lone reading takes half of its error to either side, a ship that turns does not
+        beside = -0.25 * np.abs(off[1:-1]) > np.sign(off[1:-1]) * np.stack([off[2:], off[:-2]])
+        found = np.flatnonzero((np.abs(off[1:-1]) > limit) & beside.all(axis=0)) + 2
+        if found.size:
+            times = SPIKE * abs(off[found[0] - 1]) / limit
+            more = f"; {found.size - 1} more" if found.size > 1 else ""
+            text = f"stands out from its neighbours by {times:.0f} times the usual scatter{more}: "
+            remedy = "an outlier? [model] reject = 1e-6 leaves such out"
+            yield Finding(record.name(channel), record.row(int(found[0])), text + remedy)
+
+
+def _swing(record: Record) -> Iterator[Finding]:
+    """Yield that the heading moves too little or too much for the rudder: degrees and radians."""
+    if record.heading is None:
+        return
+    steps = np.abs(np.diff(record.heading))
+    steps = steps[~np.isnan(steps)]
+    for turn, unit in ((math.radians(math.tau), "rad"), (360.0, "deg")):
+        jumps = np.abs(steps - turn) < 0.03 * turn
+        if jumps.any() and np.max(steps, where=~jumps, initial=0.0) < 0.5 * turn:
+            text = f"jumps by {turn:.4g} rad, which would be a turn: is it in {unit}?"
+            yield Finding(record.name("heading"), 0, f'{text} say unit = "{unit}"')
+            return
+    share = float(np.nanstd(unwrapped(record.heading)) / np.std(record.column("rudder")))
+    if not SWINGS[0] < share < SWINGS[1]:
+        unit = "rad" if share < 1.0 else "deg"
+        text = f"swings {share:.2g} times as far as {record.name('rudder')}: is it in {unit}?"
+        yield Finding(record.name("heading"), 0, f'{text} say unit = "{unit}"')
+
+
+def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
+    """Yield what cannot be of a ship of that length and speed."""
+    speed = ship.speed_kn * KNOT if ship.speed_kn else None
+    if record.speed is not None:
+        mean = float(np.nanmean(record.speed))
+        yield from _mistaken(record, "speed", mean / speed if speed else None)
+        speed = speed or mean
+    rate, sway = _rate(record), record.sway
+    if record.yaw_rate is not None and speed:
+        size = float(np.nanstd(record.yaw_rate) / np.std(record.column("rudder")))
+        turned = size * ship.length_m / speed
+        if turned and not TURNS[0] < turned < TURNS[1]:
+            text = f"turns the ship by {turned:.2g} of the rudder's angle in a ship length: "
+            remedy = f"are it and {record.name('rudder')} in the units said?"
+            yield Finding(record.name("yaw_rate"), 0, text + remedy)
+    if rate is None:
+        return
+    if sway is not None and (gain := _gain(sway, rate)) is not None:
+        ahead = -gain / ship.length_m
+        if not PIVOT[0] < ahead < PIVOT[1]:
+            unit = SPEEDS[2 if ahead < 0.0 else 0 if ahead < PIVOT[0] else 1][1]
+            text = f"would turn the ship about a point {ahead:.2g} lengths ahead of the middle"
+            yield Finding(record.name("sway"), 0, f"{text}: {unit}")
+    bow, stern, apart = record.bow_sway, record.stern_sway, ship.bow_log_m
+    if bow is not None and stern is not None and apart and ship.stern_log_m:
+        gain = _gain(bow - stern, rate)
+        share = gain and gain / (apart + ship.stern_log_m)
+        yield from _mistaken(record, "bow_sway", share, "stern_sway")
+
+
+def _mistaken(
+    record: Record, channel: str, share: float | None, other: str = ""
+) -> Iterator[Finding]:
+    """Yield what makes a speed that ``share`` of what it must be."""
+    for factor, text in SPEEDS if share else ():
+        if share and 0.75 < share / factor < 1.33:
+            names = " and ".join(record.name(one) for one in (channel, other) if one)
+            yield Finding(names, 0, f"{share:.2g} of what the ship's numbers say: {text}")

@@ -1,7 +1,7 @@
 """A study carried out: the record read, the model fitted, and what is known afterwards."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -11,19 +11,26 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
-from trainer.identify.derived import quantities, quantity_names
+from trainer.identify.derived import quantities, quantity_units
 from trainer.identify.estimate import Starts, estimate, keep, resume
 from trainer.identify.innovations import REASONS, chi_square_limits, run_filter
 from trainer.identify.likelihood import Likelihood
-from trainer.identify.measurements import Record, samples_of
+from trainer.identify.measurements import Record, check_count, samples_of
 from trainer.identify.minimise import Cost, Found, Search
-from trainer.identify.models import MODELS, Plant, Ship
-from trainer.identify.prediction_error import Innovations, MultiStep, no_gain, settled_gain
-from trainer.identify.problem import Problem, problem_of
+from trainer.identify.models import MODELS, Model, Plant, Ship
+from trainer.identify.own_systems import NOISE, System, model_of
+from trainer.identify.prediction_error import (
+    Innovations,
+    MultiStep,
+    no_gain,
+    own_gain,
+    settled_gain,
+)
+from trainer.identify.problem import Problem, Run, problem_of
 from trainer.identify.start_values import free_names, start_values
 from trainer.identify.steering import Steering, steering
-from trainer.identify.study import Study, speed_of
-from trainer.identify.study_records import ModelTable
+from trainer.identify.study import Study, speed_of, studies_of
+from trainer.identify.study_records import ModelTable, ParameterRow
 from trainer.identify.uncertainty import (
     BOUNDED,
     Spread,
@@ -39,6 +46,8 @@ METHODS: Final = {"scoring": "auto", "bfgs": "bfgs", "direct": "powell"}
 STEPS: Final = 200
 RESTARTS: Final = 12  # in a row that must not find better, before a fit counts as settled
 FEWEST: Final = 2  # of them, whatever a study says
+NO_SHIP: Final = Ship(1.0, 1.0)  # of a user's own system, which has its own units
+NO_MODEL: Final = "these values are no model: a covariance is not positive, or it does not end"
 SCREENINGS: Final = 4  # rounds of fitting and rejecting
 UNMODELLED: Final = {  # noise models do not have these: the errors' covariance is concentrated out
     "output-error": ("R1", "R2"),
@@ -52,6 +61,7 @@ class Fitted:
 
     study: Study
     record: Record
+    others: tuple[Record, ...]  # further runs
     ship: Steering | None  # of the vessel file, if there is one
     problem: Problem
     cost: Cost
@@ -59,7 +69,8 @@ class Fitted:
     known: Uncertainty
     told: Spread  # of the quantities
     quantity_names: tuple[str, ...]
-    rejected: int  # samples screened out
+    rejected: tuple[tuple[int, int], ...]  # run and sample screened out
+    simulated: bool = False  # nothing was estimated
 
     @property
     def values(self) -> Numbers:
@@ -72,42 +83,125 @@ class Fitted:
         return -self.found.cost
 
 
-def pose_problem(study: Study, record: Record) -> tuple[Problem, Steering | None]:
+def pose_problem(
+    study: Study, record: Record, others: Sequence[Record] = (), *, fixed: bool = True
+) -> tuple[Problem, Steering | None]:
     """Return the problem of a study, and the ship of its vessel file.
 
-    ConfigError for what it lacks, and naming the parameters that the record cannot separate.
+    ConfigError for what it lacks, and naming the parameters that the record cannot separate. What
+    is held counts as free unless ``fixed``, and nothing is checked.
     """
-    table = table_of(study)
-    if study.ship is None:
-        raise ConfigError(f"{study.path.name}: lacks [ship]: say --length or --vessel")
-    speed = speed_of(study, record)
-    ship = Ship(
-        study.ship.length_m, speed, study.ship.bow_log_m or 0.0, study.ship.stern_log_m or 0.0
-    )
-    plant = Plant(MODELS[table.kind], ship, table.outputs, record.interval)
-    vessel = study.ship.vessel
-    own = steering(load_vessel(vessel), speed) if vessel else None
-    values = start_values(plant, record, own.prime if own else {}, study.parameters)
-    dropped = UNMODELLED.get(table.noise or "", ())
-    asked = {row.name for row in study.parameters if row.free == "yes"}
-    free = [
-        name
-        for name in free_names(plant, study.parameters)
-        if name in asked or not name.startswith(dropped) or not dropped
-    ]
+    table, studies = table_of(study), studies_of(study)
+    plant, own = _plant_of(study, record)
+    known = own.prime if own else {}
+    rows = study.parameters if fixed else tuple(replace(x, free=None) for x in study.parameters)
+    free = _estimated(study, plant, rows)
     if not free:
         raise ConfigError(
             f'{study.path.name}: every parameter is fixed, free = "no": nothing is left to estimate'
         )
-    sampling = table.measurement or "instantaneous"
-    samples = samples_of(record, table.outputs)
+    inputs = ("rudder",) if study.system is None else study.system.inputs
+    runs = []
+    for one, seen in zip(studies, (record, *others), strict=True):
+        at = replace(plant, ship=replace(plant.ship, speed=_speed(one, seen)))
+        values = _start(one, at, seen, known)
+        runs.append(Run(at, samples_of(seen, plant.outputs, inputs), values))
+    samples, values = runs[0].samples, runs[0].values
     problem = problem_of(plant, samples, values, free)
     scale = [_scale(study, plant, place) for place in problem.free]
-    problem = Problem(plant, samples, values, problem.free, np.array(scale), sampling)
-    groups = inseparable(problem) if not dropped else ()
+    sampling = table.measurement or "instantaneous"
+    if study.system is not None and study.system.discrete:
+        sampling = "discrete"
+        _check_interval(study, runs)
+    places = _of_each_run(plant.model, rows, problem.free) if others else ()
+    scale += [scale[problem.free.index(place)] for place in places] * len(others)
+    problem = replace(
+        problem,
+        scale=np.array(scale),
+        sampling=sampling,
+        others=tuple(runs[1:]),
+        own=places,
+    )
+    if fixed:
+        check_count(record, problem.counted, len(problem.names))
+    groups = inseparable(problem) if fixed and not _dropped(study, plant) else ()
     if groups:
         raise ConfigError(*(f"{study.path.name}: {_inseparable(group)}" for group in groups))
     return problem, own
+
+
+def _plant_of(study: Study, record: Record) -> tuple[Plant, Steering | None]:
+    """Return the model of a study's ship, and the ship of its vessel file; ConfigError."""
+    table = table_of(study)
+    if study.system is not None:
+        return Plant(model_of(study.system), NO_SHIP, table.outputs, record.interval), None
+    if study.ship is None:
+        raise ConfigError(f"{study.path.name}: lacks [ship]: say --length or --vessel")
+    speed, ship = speed_of(study, record), study.ship
+    scales = Ship(ship.length_m, speed, ship.bow_log_m or 0.0, ship.stern_log_m or 0.0)
+    own = steering(load_vessel(ship.vessel), speed) if ship.vessel else None
+    return Plant(MODELS[table.kind], scales, table.outputs, record.interval), own
+
+
+def _speed(study: Study, record: Record) -> float:
+    """Return the speed of a run [m/s]; ConfigError if it is not known."""
+    return NO_SHIP.speed if study.system is not None else speed_of(study, record)
+
+
+def _start(study: Study, plant: Plant, record: Record, ship: Mapping[str, float]) -> Numbers:
+    """Return all parameters (n,) that a run starts from."""
+    if study.system is None:
+        return start_values(plant, record, ship, study.parameters)
+    values = study.system.starts.copy()
+    for row in study.parameters:
+        place = plant.model.place(row.name)
+        values[place] = values[place] if row.start is None else row.start
+    return values
+
+
+def _estimated(study: Study, plant: Plant, rows: Sequence[ParameterRow]) -> list[str]:
+    """Return the names of the parameters to estimate."""
+    dropped, asked = _dropped(study, plant), {row.name for row in rows if row.free == "yes"}
+    names = free_names(plant, rows) if study.system is None else _own_free(study.system, rows)
+    return [name for name in names if name in asked or name not in dropped]
+
+
+def _own_free(system: System, rows: Sequence[ParameterRow]) -> list[str]:
+    """Return the free parameters of a user's own system."""
+    said = {row.name: row.free for row in rows if row.free is not None}
+    names = (one.name for one in system.parameters)
+    return [x for x in names if said.get(x, "no" if x in system.held else "yes") == "yes"]
+
+
+def _dropped(study: Study, plant: Plant) -> tuple[str, ...]:
+    """Return the parameters that the noise model does not have."""
+    noise = table_of(study).noise or ""
+    if study.system is None:
+        return tuple(x for x in plant.model.names if x.startswith(UNMODELLED.get(noise, ("?",))))
+    if noise == "innovations" and not study.system.has_gain:
+        return study.system.only_in({"R2"})[:1]
+    return study.system.only_in(NOISE) if noise in UNMODELLED else ()
+
+
+def _of_each_run(
+    model: Model, rows: Sequence[ParameterRow], free: Sequence[int]
+) -> tuple[int, ...]:
+    """Return the places of the free parameters that each run has for itself."""
+    own = set(model.of_each_run)
+    for row in rows:
+        if row.per_run is not None:
+            (own.add if row.per_run == "yes" else own.discard)(model.names[model.place(row.name)])
+    return tuple(place for place in free if model.names[place] in own)
+
+
+def _check_interval(study: Study, runs: Sequence[Run]) -> None:
+    """Check that all samples are one interval apart; ConfigError."""
+    steps = {round(float(step), 6) for run in runs for step in run.samples.steps[0]}
+    if len(steps) > 1:
+        raise ConfigError(
+            f"{study.path.name}: matrices of one step need one interval; there are {len(steps)}: "
+            "fill the gaps with rows without readings, or write a continuous system"
+        )
 
 
 def _inseparable(group: tuple[str, ...]) -> str:
@@ -134,26 +228,33 @@ def _scale(study: Study, plant: Plant, place: int) -> float:
 
 def cost_of(problem: Problem, table: ModelTable) -> Cost:
     """Return what the study wants minimised; ConfigError for what does not go together."""
-    noise = table.noise or "covariance"
+    noise, own = table.noise or "covariance", problem.plant.model.system
     steps = int(table.predict_from or 1), int(table.predict_to or 1)
     if noise != "covariance":
         if steps != (1, 1):
             raise ConfigError(f"predict_to goes with noise covariance, not with {noise}")
-        return Innovations(problem, no_gain if noise == "output-error" else settled_gain)
+        gains = no_gain if noise == "output-error" else settled_gain
+        gave = own is not None and problem.sampled(problem.start).gain is not None
+        return Innovations(problem, own_gain if gave and gains is settled_gain else gains)
     if steps[1] < steps[0]:
         raise ConfigError(f"predict_to = {steps[1]}: must be at least predict_from = {steps[0]}")
     return Likelihood(problem) if steps == (1, 1) else MultiStep(problem, *steps)
 
 
 def fit(
-    study: Study, record: Record, heard: Callable[[Found], None], kept: Path | None = None
+    study: Study,
+    record: Record,
+    heard: Callable[[Found], None],
+    kept: Path | None = None,
+    others: Sequence[Record] = (),
 ) -> Fitted:
     """Return the model of a study fitted to its record. Each step is told to ``heard``.
 
-    A search is kept in the file ``kept``, and goes on from there if there is one. ConfigError if
-    it cannot be posed, or the start is no model.
+    A search is kept in the file ``kept``, and goes on from there if there is one. ``others`` are
+    the records of the study's further runs. ConfigError if it cannot be posed, or the start is no
+    model.
     """
-    problem, own = pose_problem(study, record)
+    problem, own = pose_problem(study, record, others)
     start, search = problem.start, Search(STEPS, heard)
     if kept is not None:
         start = resume(kept, problem) if kept.exists() else start
@@ -162,7 +263,7 @@ def fit(
     restarts = RESTARTS if table.restarts is None else max(FEWEST, int(table.restarts))
     cost, method = cost_of(problem, table), METHODS[table.method or "scoring"]
     found = estimate(cost, start, method, search, Starts(restarts))
-    rejected = 0
+    rejected: list[tuple[int, int]] = []
     for _ in range(SCREENINGS if table.reject else 0):
         problem, more = screen(problem, found.theta, table.reject or 0.0)
         rejected += more
@@ -171,17 +272,53 @@ def fit(
         cost = cost_of(problem, table)
         found = estimate(cost, found.theta, method, search)
     known = _estimate_uncertainty(cost, found.theta)
+    return _fitted((study, record, *others), own, cost, found, known, rejected)
+
+
+def simulate(study: Study, record: Record, others: Sequence[Record] = ()) -> Fitted:
+    """Return the model of a study as it starts, nothing estimated (LOOP 0, ISYS 4).
+
+    Outliers are screened if the study says so.
+    """
+    problem, own = pose_problem(study, record, others, fixed=False)
+    table = table_of(study)
+    rejected: list[tuple[int, int]] = []
+    if table.reject:
+        problem, rejected = screen(problem, problem.start, table.reject)
+    cost = cost_of(problem, table)
+    value = cost.value(problem.start)
+    if not math.isfinite(value):
+        raise ConfigError(f"{study.path.name}: {NO_MODEL}")
+    found = Found(problem.start, value, 0, converged=True)
+    shape = uncertainty(problem.names, cost.information(problem.start))
+    known = replace(shape, covariance=np.full_like(shape.curvature, math.nan))
+    fitted = _fitted((study, record, *others), own, cost, found, known, rejected)
+    return replace(fitted, simulated=True)
+
+
+def _fitted(
+    seen: tuple[Any, ...],
+    own: Steering | None,
+    cost: Cost,
+    found: Found,
+    known: Uncertainty,
+    rejected: Sequence[tuple[int, int]],
+) -> Fitted:
+    """Return a fit, and what follows of its parameters. ``seen`` is the study and its records."""
+    study, record, *others = seen
+    problem = cost.problem
     return Fitted(
         study=study,
         record=record,
+        others=tuple(others),
         ship=own,
         problem=problem,
         cost=cost,
         found=found,
         known=known,
         told=_derive(problem, found.theta, known.covariance),
-        quantity_names=quantity_names(problem.plant.model),
-        rejected=rejected,
+        quantity_names=tuple(quantity_units(problem.plant.model)),
+        rejected=tuple(sorted(rejected)),
     )
 
 
@@ -189,7 +326,7 @@ def _derive(problem: Problem, theta: Numbers, covariance: Numbers) -> Spread:
     """Return what follows of the parameters, and how well; not a number where these are not."""
     plant = problem.plant
     told = propagate(
-        lambda free: quantities(plant.model, problem.whole(free), plant.ship),
+        lambda free: quantities(plant, problem.whole(free)),
         theta,
         np.nan_to_num(covariance, nan=0.0),
     )
@@ -211,12 +348,20 @@ def _both(
     return tell
 
 
-def screen(problem: Problem, theta: Numbers, probability: float) -> tuple[Problem, int]:
-    """Return the problem without the samples that are improbable, and how many these are."""
-    samples = problem.samples
-    run = run_filter(problem, theta, chi_square_limits(probability, samples.outputs.shape[1]))
-    rejected = run.flags == REASONS.index("rejected")
-    return problem.on(samples.without(rejected)), int(np.count_nonzero(rejected))
+def screen(
+    problem: Problem, theta: Numbers, probability: float
+) -> tuple[Problem, list[tuple[int, int]]]:
+    """Return the problem without the samples that are improbable, and their runs and places."""
+    kept, found = [], []
+    limits = chi_square_limits(probability, problem.samples.outputs.shape[1])
+    for number, (run, at) in enumerate(problem.runs):
+        flags = run_filter(run, theta[at], limits).flags
+        rejected = flags == REASONS.index("rejected")
+        kept.append(run.samples.without(rejected))
+        found += [(number, int(place)) for place in np.flatnonzero(rejected)]
+    further = zip(problem.others, kept[1:], strict=True)
+    others = tuple(replace(run, samples=samples) for run, samples in further)
+    return replace(problem, samples=kept[0], others=others), found
 
 
 def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:

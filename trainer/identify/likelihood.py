@@ -5,15 +5,14 @@ the cost is infinite.
 """
 
 import math
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, field
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.adjoint import likelihood_slope, trail
 from trainer.identify.kernels.likelihood import likelihood_sums
-from trainer.identify.kernels.sensitivity import information_rows
+from trainer.identify.kernels.sensitivity import score_rows
 from trainer.identify.problem import Problem
 from trainer.identify.sampled import Sampled
 
@@ -43,65 +42,83 @@ def _gram(rows: Numbers) -> Numbers:
     return total
 
 
+class Score(NamedTuple):
+    """Cost and gradient at a place, and the rows whose squares are the information."""
+
+    cost: float
+    gradient: Numbers
+    rows: tuple[tuple[Numbers, Numbers], ...]  # of each run
+
+
 @dataclass(frozen=True, eq=False)
 class Likelihood:
-    """Minus the log-likelihood by covariances: a cost to minimise over a problem's parameters."""
+    """Minus the log-likelihood by covariances: a cost to minimise over a problem's parameters.
+
+    That of several runs is the sum of theirs.
+    """
 
     problem: Problem
+    _last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def value(self, theta: Numbers) -> float:
         """Return -log L [-]."""
-        sampled = self.problem.sampled(theta)
-        if not possible(sampled):
-            return math.inf
-        samples = self.problem.samples
-        sums = np.empty(4)
-        likelihood_sums(*sampled.at(0), samples.table, samples.steps[1], sums)
-        cost = 0.5 * (sums[0] + sums[1] + sums[3] * LOG_2_PI)
-        return float(cost) if math.isfinite(cost) else math.inf
+        return sum(_cost(run, theta[at]) for run, at in self.problem.runs)
 
     def slope(self, theta: Numbers) -> tuple[float, Numbers]:
-        """Return -log L [-] and its exact gradient (f,), by the adjoint."""
-        sampled = self.problem.sloped(theta)
-        failed = math.inf, np.full(len(theta), math.nan)
-        if not possible(sampled):
-            return failed
-        mean, noise, start = sampled.at(0)
-        table, which = self.problem.samples.table, self.problem.samples.steps[1]
-        states, rows, columns = len(start), mean.shape[1], mean.shape[2]
-        path = np.empty((len(table), columns + rows - states + 2))
-        joints = np.empty((len(table), rows, rows + states))
-        path[0, :columns] = [*start[:, 0], *np.ones(columns - states)]
-        joints[0, :states, rows:] = start[:, 1:]
-        stages = trail(mean, noise, table, which, path, joints)
-        if stages == 0:
-            return failed
-        by_system, by_start = np.empty((*mean.shape[:2], columns + rows)), np.empty(start.shape)
-        likelihood_slope(mean, which, path, joints, by_system, by_start)
-        d_mean, d_noise, d_start = sampled.slopes()
-        slope = (
-            np.tensordot(by_system[..., :columns], d_mean, 3)
-            + np.tensordot(by_system[..., columns:], d_noise, 3)
-            + np.tensordot(by_start, d_start, 2)
-        )
-        constant = np.count_nonzero(~np.isnan(self.problem.samples.outputs)) * LOG_2_PI
-        cost = 0.5 * float(path[:, -2].sum() + constant)
-        return cost, np.asarray(slope) * self.problem.scale
+        """Return the cost and its exact gradient (f,)."""
+        score = self._score(theta)
+        return score.cost, score.gradient
 
     def information(self, theta: Numbers) -> Numbers:
         """Return the expected information (f, f); not a number where the model is impossible."""
-        sampled = self.problem.sloped(theta)
-        count = len(theta)
-        if not possible(sampled):
-            return np.full((count, count), math.nan)
-        samples = self.problem.samples
-        readings = samples.outputs.shape[1]
-        errors = np.empty((len(samples.t), readings, count))
-        covariances = np.empty((len(samples.t), readings * readings, count))
-        stages = information_rows(
-            sampled.at(0), sampled.slopes(), samples.table, samples.steps[1], errors, covariances
-        )
-        if stages == 0:
-            return np.full((count, count), math.nan)
-        total = _gram(errors.reshape(-1, count)) + _gram(covariances[:stages].reshape(-1, count))
-        return np.asarray(total * np.outer(self.problem.scale, self.problem.scale))
+        score = self._score(theta)
+        if not math.isfinite(score.cost):
+            return np.full((len(theta), len(theta)), math.nan)
+        total = np.zeros((len(theta), len(theta)))
+        for rows, (_, at) in zip(score.rows, self.problem.runs, strict=True):
+            total[np.ix_(at, at)] += sum(map(_gram, rows))
+        return total * np.outer(self.problem.scale, self.problem.scale)
+
+    def _score(self, theta: Numbers) -> Score:
+        """Return what one run tells; a search asks for gradient and information of one place."""
+        key = theta.tobytes()
+        if self._last.get("key") != key:
+            runs = [_score(run, theta[at]) for run, at in self.problem.runs]
+            gradient = np.zeros(len(theta))
+            for one, (_, at) in zip(runs, self.problem.runs, strict=True):
+                gradient[at] += one.gradient
+            cost = sum(one.cost for one in runs)
+            score = Score(cost, gradient, tuple(rows for one in runs for rows in one.rows))
+            self._last.update(key=key, score=score)
+        found: Score = self._last["score"]
+        return found
+
+
+def _cost(problem: Problem, theta: Numbers) -> float:
+    """Return -log L of one run."""
+    sampled, samples = problem.sampled(theta), problem.samples
+    if not possible(sampled):
+        return math.inf
+    sums = np.empty(4)
+    likelihood_sums(*sampled.at(0), samples.table, samples.steps[1], sums)
+    cost = 0.5 * (sums[0] + sums[1] + sums[3] * LOG_2_PI)
+    return float(cost) if math.isfinite(cost) else math.inf
+
+
+def _score(problem: Problem, theta: Numbers) -> Score:
+    """Return cost, gradient and rows of one run."""
+    sampled, samples, count = problem.sloped(theta), problem.samples, len(theta)
+    impossible = Score(math.inf, np.full(count, math.nan), ())
+    if not possible(sampled):
+        return impossible
+    length, readings = samples.outputs.shape
+    errors = np.empty((length, readings, count))
+    covariances = np.empty((length, readings * readings, count))
+    slope = np.empty(count)
+    out = errors, covariances, slope
+    stages, cost = score_rows(sampled.at(0), sampled.slopes(), samples.table, samples.steps[1], out)
+    if not stages:
+        return impossible
+    constant = 0.5 * np.count_nonzero(~np.isnan(samples.outputs)) * LOG_2_PI
+    rows = errors.reshape(-1, count), covariances[:stages].reshape(-1, count)
+    return Score(float(cost + constant), slope * problem.scale, (rows,))

@@ -7,7 +7,7 @@ A record as the models read it: knots and degrees, one row a sample, and what li
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, Final
 
@@ -28,7 +28,22 @@ CHANNELS: Final = {  # what may be recorded beside time, and its unit
     "stern_sway": "m/s",
     "speed": "m/s",
 }
+PLACES: Final = ("latitude", "longitude")  # that sway is made of
+SAMPLES: Final = 5  # to a coefficient, at least
 OUTPUTS: Final = tuple(name for name in CHANNELS if name != "rudder")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something about a record that an analyst should know; row 0 is the whole column."""
+
+    column: str
+    row: int
+    text: str
+
+    def __str__(self) -> str:
+        where = f"row {self.row}: " if self.row else ""
+        return f"{where}{self.column}: {self.text}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +52,7 @@ class Record:
 
     ``rudder[k]`` acts from ``t[k]`` to ``t[k+1]``. The heading is not wrapped. ``rows`` is the
     place of each sample in its source, as people count, and ``names`` the source's own word for
-    each channel, for messages.
+    each channel, for messages. ``told`` is what was found when it was read.
     """
 
     source: str
@@ -49,8 +64,13 @@ class Record:
     bow_sway: Numbers | None = None  # [m/s] at the forward log
     stern_sway: Numbers | None = None  # [m/s] at the aft log
     speed: Numbers | None = None  # [m/s]
+    latitude: Numbers | None = None  # [rad] of the antenna
+    longitude: Numbers | None = None  # [rad] likewise
     rows: NDArray[np.int64]
     names: Mapping[str, str]
+    told: tuple[Finding, ...] = ()
+    plain: Mapping[str, Numbers] = field(default_factory=dict)  # columns of a user's own system
+    driving: tuple[str, ...] = ()  # of them, those that act
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -64,7 +84,7 @@ class Record:
 
     def column(self, channel: str) -> Numbers:
         """Return a channel; ConfigError if it was not recorded."""
-        values: Numbers | None = getattr(self, channel)
+        values: Numbers | None = self.plain.get(channel, getattr(self, channel, None))
         if values is None:
             has = ", ".join(self.channels) or "nothing"
             raise ConfigError(f"{self.source}: no {channel} was recorded; there is {has}")
@@ -85,7 +105,8 @@ class Record:
             for item in fields(self)
             if isinstance(value := getattr(self, item.name), np.ndarray)
         }
-        return replace(self, **columns)
+        plain = {name: values[places] for name, values in self.plain.items()}
+        return replace(self, plain=plain, **columns)
 
     def between(self, begin: float, end: float) -> "Record":
         """Return the samples from ``begin`` to ``end`` [s]; ConfigError if fewer than two are."""
@@ -100,17 +121,29 @@ class Record:
     def every(self, count: int) -> "Record":
         """Return each ``count``-th sample, the rudder as its mean until the next one.
 
-        The mean keeps what a rudder did that moved between the samples taken.
+        The mean keeps what a rudder did that moved between the samples taken. So with other inputs.
         """
         if count == 1:
             return self
         thin = self.part(slice(None, None, count))
+        starts = np.arange(0, len(self.t), count)
+        sizes = np.diff([*starts, len(self.t)])
+        acting = {name: self.plain[name] for name in self.driving}
+        held = {name: np.add.reduceat(one, starts) / sizes for name, one in acting.items()}
+        thin = replace(thin, plain={**thin.plain, **held})
         if self.rudder is None:
             return thin
-        starts = np.arange(0, len(self.t), count)
-        held = np.add.reduceat(self.rudder, starts)
-        sizes = np.diff([*starts, len(self.t)])
-        return replace(thin, rudder=held / sizes)
+        return replace(thin, rudder=np.add.reduceat(self.rudder, starts) / sizes)
+
+
+def check_count(record: Record, samples: int, coefficients: int) -> None:
+    """Check that there are enough samples to a coefficient; ConfigError with both counts."""
+    if samples < SAMPLES * coefficients:
+        raise ConfigError(
+            f"{record.source}: {samples} samples for {coefficients} coefficients: needs "
+            f"{SAMPLES} to each, {SAMPLES * coefficients}: record longer, take more of the rows "
+            '(every, from_s, to_s), fit a simpler model, or fix some, free = "no"'
+        )
 
 
 Places = NDArray[np.int64]
@@ -163,8 +196,19 @@ class Samples:
         return replace(self, outputs=outputs)
 
 
-def samples_of(record: Record, outputs: tuple[str, ...]) -> Samples:
-    """Return the channels ``outputs`` of a record and its rudder, in the models' units."""
-    columns = [UNITS[channel][1] * record.column(channel) for channel in outputs]
-    rudder = record.column("rudder") / DEGREE
-    return Samples(record.t, np.column_stack(columns), rudder[:, None])
+def samples_of(
+    record: Record, outputs: tuple[str, ...], inputs: tuple[str, ...] = ("rudder",)
+) -> Samples:
+    """Return channels of a record and its rudder, or other inputs, in the models' units."""
+    count = len(record.t)
+    columns = [[_in_units(record, name) for name in names] for names in (outputs, inputs)]
+    parts = [np.column_stack(one) if one else np.empty((count, 0)) for one in columns]
+    return Samples(record.t, *parts)
+
+
+def _in_units(record: Record, channel: str) -> Numbers:
+    """Return a channel in the models' unit, another column as it stands."""
+    values = record.column(channel)
+    if channel in record.plain:
+        return values
+    return values / DEGREE if channel == "rudder" else values * UNITS[channel][1]

@@ -5,7 +5,7 @@ outputs are in knots, degrees and degrees a second, states in m/s, rad/s and rad
 taken by magnitude, correlations and the time lag by sine, so that no number is out of bounds.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final
@@ -29,6 +29,9 @@ UNITS: Final = {  # of a channel, and how many of them one SI unit is
 }
 
 
+STEADY: Final = ("Y_0", "N_0", "f1", "f2", "f3", "delta_0")  # forces that stay for a run
+
+
 @dataclass(frozen=True)
 class Parameter:
     """One number of a model: ``kind`` is how it is bounded.
@@ -44,11 +47,24 @@ class Parameter:
 
 
 @dataclass(frozen=True)
+class Own:
+    """The names of a user's own system, and the numbers that follow from its parameters."""
+
+    inputs: tuple[str, ...]
+    units: Mapping[str, str]  # of outputs
+    first: tuple[str, ...]  # parameters of the first state alone
+    pairs: tuple[tuple[str, str], ...]  # first state and its variance
+    quantities: Mapping[str, str]  # that follow from the parameters, and their units
+    tell: Callable[["Plant", Numbers], Numbers]  # these numbers
+
+
+@dataclass(frozen=True)
 class Model:
     """A family of linear systems: ``assemble`` fills the matrices, see kernels.ship_models.
 
     ``start`` and ``start_covariance`` are the first places of x(t0) and P(t0) in the parameters.
     ``given`` are other numbers that the first parameters follow from, all of them, by ``follow``.
+    ``system`` is what a user's own one tells instead of a ship.
     """
 
     name: str
@@ -57,15 +73,41 @@ class Model:
     states: int
     inputs: int
     assemble: Callable[..., Any]
-    start: int
-    start_covariance: int
+    start: int = 0
+    start_covariance: int = 0
     given: tuple[str, ...] = ()
     follow: Callable[..., tuple[float, ...]] | None = None
+    system: Own | None = None
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Return the parameters' names, in order."""
         return tuple(parameter.name for parameter in self.parameters)
+
+    @cached_property
+    def of_each_run(self) -> tuple[str, ...]:
+        """Return the parameters that each of several runs has for itself.
+
+        They are the first state, and the steady forces of wind and residual helm.
+        """
+        if self.system is not None:
+            return self.system.first
+        states = (f"x{i}_0" for i in range(1, 1 + self.states))
+        return tuple(name for name in (*states, *STEADY) if name in self.names)
+
+    @cached_property
+    def paired(self) -> tuple[tuple[str, str], ...]:
+        """Return each initial state with its variance."""
+        if self.system is not None:
+            return self.system.pairs
+        places = (self.start, self.start_covariance)
+        return tuple(
+            (self.names[places[0] + i], self.names[places[1] + i]) for i in range(self.states)
+        )
+
+    def unit(self, output: str) -> str:
+        """Return the unit of an output."""
+        return UNITS[output][0] if self.system is None else self.system.units[output]
 
     def place(self, name: str) -> int:
         """Return a parameter's place, by name or as theta1, theta2, ...; ConfigError if none."""
@@ -129,6 +171,7 @@ class Blocks:
     noise: Entries  # (b, x+y, x+y)
     start: Entries  # (b, x, 1+x)
     lag: Entries  # (b,) [s]
+    gain: Entries | None = None  # (b, x, y) of a predictor, where the model gives it
 
 
 @dataclass(frozen=True)
@@ -165,8 +208,8 @@ class Plant:
         noise = np.zeros((batch, rows, rows), theta.dtype)
         start = np.zeros((batch, states, 1 + states), theta.dtype)
         lag = np.zeros(batch, theta.dtype)
-        self.model.assemble(theta, self.numbers, drift, noise, start, lag)
-        return Blocks(drift, noise, start, lag)
+        gain = self.model.assemble(theta, self.numbers, drift, noise, start, lag)
+        return Blocks(drift, noise, start, lag, gain)
 
 
 def _parameters(*lines: str) -> tuple[Parameter, ...]:

@@ -1,7 +1,7 @@
 """Monte-Carlo studies of identification: simulate, estimate, count how often truth is inside."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Final
@@ -18,15 +18,13 @@ from trainer.core.kernel import Numbers
 from trainer.identify.estimate import estimate
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.likelihood import Likelihood
+from trainer.identify.measurements import Samples
 from trainer.identify.minimise import Search
-from trainer.identify.models import MODELS, Ship
-from trainer.identify.problem import Problem
-from trainer.identify.reference_ships import Rehearsal
-from trainer.identify.uncertainty import uncertainty
+from trainer.identify.models import MODELS, Plant, Ship
+from trainer.identify.problem import Problem, problem_of
+from trainer.identify.uncertainty import intervals, uncertainty
 from trainer.identify.validation import draw_outputs
 from trainer.units import KNOT
-
-WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
 
 
 @dataclass(frozen=True)
@@ -36,44 +34,46 @@ class Run:
     seed: int
     theta: Numbers  # (f,)
     deviations: Numbers  # (f,) NaN where the information was singular
+    intervals: Numbers  # (f, 2) of 95 %
     cost: float
     cost_at_truth: float
     converged: bool
 
 
 @dataclass(frozen=True)
-class Coverage:
-    """Many runs and the truth behind them."""
+class Rehearsal:
+    """A ship, its instruments, its true values, and an analyst's start.
 
-    names: tuple[str, ...]
-    truth: Numbers  # (f,)
-    runs: tuple[Run, ...]
+    ``begin`` has the free parameters that do not start at the truth.
+    """
 
-    @property
-    def estimates(self) -> Numbers:
-        """Return the estimates (runs, f)."""
-        return np.array([run.theta for run in self.runs])
+    kind: str
+    ship: Ship
+    outputs: tuple[str, ...]
+    period: float  # [s]
+    truth: Mapping[str, float]
+    free: tuple[str, ...]
+    begin: Mapping[str, float]
 
-    @property
-    def deviations(self) -> Numbers:
-        """Return their standard deviations (runs, f)."""
-        return np.array([run.deviations for run in self.runs])
+    def problem(self, rudder: Numbers, missing: float = 0.0) -> Problem:
+        """Return the problem at its truth, ``rudder`` (n,) [deg]; a share of readings missing."""
+        count = len(rudder)
+        outputs = np.zeros((count, len(self.outputs)))
+        outputs[np.random.default_rng(5).random(outputs.shape) < missing] = np.nan
+        t = np.arange(count, dtype=float) * self.period
+        samples = Samples(t, outputs, rudder[:, None])
+        model = MODELS[self.kind]
+        plant = Plant(model, self.ship, self.outputs, self.period)
+        return problem_of(plant, samples, model.vector(**self.truth), self.free)
 
-    @property
-    def inside(self) -> Numbers:
-        """Return of each parameter the share of 95 % intervals that hold the truth (f,)."""
-        away = np.abs(self.estimates - self.truth) <= WIDTH * self.deviations
-        return np.asarray(away.mean(axis=0))
+    def start(self) -> Numbers:
+        """Return where the free parameters start (f,)."""
+        model = MODELS[self.kind]
+        return model.vector(**{**self.truth, **self.begin})[list(model.places(self.free))]
 
-    @property
-    def pooled(self) -> float:
-        """Return the share of all intervals that hold the truth."""
-        return float(self.inside.mean())
-
-    @property
-    def converged(self) -> float:
-        """Return the share of runs whose minimiser came to its end."""
-        return float(np.mean([run.converged for run in self.runs]))
+    def freed(self, *names: str, **truth: float) -> "Rehearsal":
+        """Return the rehearsal with more free parameters, at values ``truth``."""
+        return replace(self, free=(*self.free, *names), truth={**self.truth, **truth})
 
 
 def one_run(problem: Problem, truth: Numbers, seed: int) -> Run:
@@ -86,18 +86,11 @@ def one_run(problem: Problem, truth: Numbers, seed: int) -> Run:
         seed,
         found.theta,
         known.deviations,
+        intervals(problem, found.theta, known.deviations),
         found.cost,
         cost.value(truth),
         converged=found.converged,
     )
-
-
-def study(
-    problem: Problem, truth: Numbers, seeds: range, each: Callable[[Iterator[Run]], Iterator[Run]]
-) -> Coverage:
-    """Return the runs of ``seeds``. ``each`` passes them on and may show how far it is."""
-    runs = each(one_run(problem, truth, seed) for seed in seeds)
-    return Coverage(problem.names, truth, tuple(runs))
 
 
 CHUNK: Final = 25
@@ -193,11 +186,10 @@ class Identifying:
         problem, truth = self.middle if same else experiment(*rehearsal_of(self.study, drawn))
         run = one_run(problem, truth, seed)
         found = {CONVERGED: float(run.converged), GAIN: run.cost_at_truth - run.cost}
-        each = zip(problem.names, truth, run.theta, run.deviations, strict=True)
-        for name, true, value, deviation in each:
+        each = zip(problem.names, truth, run.theta, run.deviations, run.intervals, strict=True)
+        for name, true, value, deviation, (low, high) in each:
             found[name], found[DEVIATION.format(name)] = float(value), float(deviation)
-            inside = abs(value - true) <= WIDTH * deviation
-            found[COVERED.format(name)] = float(inside)
+            found[COVERED.format(name)] = float(low <= true <= high)
         return found
 
 

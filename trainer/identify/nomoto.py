@@ -159,8 +159,8 @@ def _ratio(over: float, under: float) -> float:
 
 def levers(F: Numbers, g: Numbers) -> Levers:
     """Return the lever arms of F = [Y_v, Y_r - m u. N_v, N_r - m x_G u] and g (3.4, 3.5)."""
-    l_v, l_r, l_delta = F[1, 0] / F[0, 0], F[1, 1] / F[0, 1], g[1] / g[0]
-    return Levers(float(l_v), float(l_r), float(l_delta), float(l_r - l_v))
+    l_v, l_r = _ratio(F[1, 0], F[0, 0]), _ratio(F[1, 1], F[0, 1])
+    return Levers(l_v, l_r, _ratio(g[1], g[0]), l_r - l_v)
 
 
 class Scale(NamedTuple):
@@ -206,7 +206,8 @@ class NomotoFile:
 
     T1 T2 r'' + (T1 + T2) r' + r - kappa K |r| r = K (delta + T3 delta').
 
-    The rudder is positive to port: K < 0 for a stable ship.
+    The rudder is positive to port: K < 0 for a stable ship. With H1 the left side ends in K H(r),
+    H(r) = H1 r + H2 |r| r + H3 r^3 the helm of steady turns.
     """
 
     schema: str = of(Choice((SCHEMA,), "form of the file"))
@@ -218,12 +219,23 @@ class NomotoFile:
     T2_s: float = of(Quantity("s", TIME, "smaller time constant; 0 for a first-order ship"))
     T3_s: float = of(Quantity("s", TIME, "time constant of the numerator"))
     kappa_s2: float | None = optional(Quantity("s^2", within(-1e9, 1e9), "of |r| r; else 0"))
+    H1_s: float | None = optional(Quantity("s", TIME, "of r in Bech's H(r), instead of kappa"))
+    H2_s2: float | None = optional(Quantity("s^2", within(-1e9, 1e9), "of |r| r; else 0"))
+    H3_s3: float | None = optional(Quantity("s^3", within(-1e12, 1e12), "of r^3; else 0"))
     K_v_m_s: float | None = optional(Quantity("m/s", within(-1e4, 1e4), "gain to sway; else 0"))
     T3v_s: float | None = optional(Quantity("s", TIME, "numerator of sway; else 0"))
     neutral_deg: float | None = optional(Quantity("deg", within(-30, 30), "residual helm; else 0"))
     rudder_limit_deg: float = of(Quantity("deg", within(0.1, 90), "limit of the rudder"))
     rudder_rate_deg_s: float = of(Quantity("deg/s", within(0.01, 1000), "rate of the rudder"))
     step_s: float = of(Quantity("s", within(0.001, 10), "step of computation"))
+
+    @property
+    def bend(self) -> tuple[float, float, float]:
+        """Return the factors of r [-], |r| r [s] and r^3 [s^2] in K H(r)."""
+        K = self.K_per_s
+        if self.H1_s is None:
+            return 1.0, -(self.kappa_s2 or 0.0) * K, 0.0
+        return K * self.H1_s, K * (self.H2_s2 or 0.0), K * (self.H3_s3 or 0.0)
 
 
 def load_nomoto(path: Path) -> NomotoFile:
@@ -232,7 +244,14 @@ def load_nomoto(path: Path) -> NomotoFile:
     ``source`` and ``deviations`` tell where the numbers are from and are not read.
     """
     table = parse_toml(read_text(path), path.name)
-    return read_record(NomotoFile, table, Place(path.name, ""), ("note", "source", "deviations"))
+    place = Place(path.name, "")
+    ship = read_record(NomotoFile, table, place, ("note", "source", "deviations"))
+    for key, value in (("H2_s2", ship.H2_s2), ("H3_s3", ship.H3_s3)):
+        if value is not None and ship.H1_s is None:
+            raise ConfigError(place.wrong(key, value, "goes with H1_s, which is not given"))
+    if ship.H1_s is not None and ship.kappa_s2 is not None:
+        raise ConfigError(place.wrong("kappa_s2", ship.kappa_s2, "stands in for H1_s: give one"))
+    return ship
 
 
 def is_nomoto(path: Path) -> bool:

@@ -1,31 +1,70 @@
 """A study by the command line: a file's own, or one of a plain record."""
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.files import ConfigError, beside
+from trainer.config.files import ConfigError, beside, quote
 from trainer.config.vessel import load_vessel
 from trainer.identify.models import MODELS
+from trainer.identify.sources import PLAIN, Column
 from trainer.identify.study import Study, load_study, plain_study
-from trainer.identify.study_records import ArmaxTable, Heading, ModelTable, Ship
+from trainer.identify.study_records import ArmaxTable, Heading, ModelTable, RunRow, Ship
+from trainer.identify.system_files import load_system
 
 USUAL: Final = ("sway", "yaw_rate", "heading")
 
 
 def study_of(file: Path, options: dict[str, Any]) -> Study:
-    """Return the study, what the options say taken instead of what it says. ConfigError if wrong.
+    """Return the study of a file, changed as the options say."""
+    return as_asked(load_study(file) if file.suffix == ".toml" else plain_study(file), options)
 
-    ``options`` are those of ``trainer identify``.
-    """
-    study = load_study(file) if file.suffix == ".toml" else plain_study(file)
+
+def as_asked(study: Study, options: dict[str, Any]) -> Study:
+    """Return the study, changed as ``trainer identify``'s options say; ConfigError if wrong."""
     study = replace(study, heading=_heading(study.heading, options))
+    further = tuple(_run(study, path) for path in options.get("further", ()))
+    study = _with_system(replace(study, runs=(*study.runs, *further)), options)
     if options["exact"]:
         study = replace(study, sensors=None)
     ship = _ship(study, options)
     if options["armax"]:
         return replace(study, ship=ship, armax=_armax(study, options))
+    if options.get("data_only"):
+        return study
     return replace(study, ship=ship, model=_model(study, options))
+
+
+def _run(study: Study, path: Path) -> RunRow:
+    """Return a further record; ConfigError if it is none."""
+    if path.suffix == ".toml":
+        raise ConfigError(f"{path}: is a study: one study, and further records beside its own")
+    return RunRow(data=os.path.relpath(path, study.path.parent))
+
+
+def _with_system(study: Study, options: dict[str, Any]) -> Study:
+    """Return the study with the system of the user's own that it or an option names.
+
+    A program is run only where the option names it: a study may come from anybody.
+    """
+    named: Path | None = options.get("system")
+    file = study.model.file if study.model and study.model.kind == "own" else None
+    if named is None and (file is None or options["model"]):
+        return study
+    path = named or study.path.parent / str(file)
+    if path.suffix == ".py" and named is None:
+        raise ConfigError(
+            f"{study.path.name}: [model] file = {quote(str(file))}: is a program, and is run only "
+            f"where the command names it: read it, then say --system {path}"
+        )
+    system = load_system(path)
+    if "t" in (*system.inputs, *system.outputs):
+        raise ConfigError(f"{path}: t is the time, not what acts or is read: rename the column")
+    clock = study.columns.get("t", Column("t", "s"))
+    times = {} if study.heading.interval_s and "t" not in study.columns else {"t": clock}
+    plain = {name: Column(name, PLAIN) for name in (*system.inputs, *system.outputs)}
+    return replace(study, system=system, columns={**times, **plain}, sensors=None)
 
 
 def _heading(heading: Heading, options: dict[str, Any]) -> Heading:
@@ -51,20 +90,27 @@ def _ship(study: Study, options: dict[str, Any]) -> Ship | None:
 
 def _model(study: Study, options: dict[str, Any]) -> ModelTable:
     """Return the model; ConfigError if none is said."""
+    if study.system is not None:
+        base = study.model or ModelTable(kind="own")
+        return replace(base, kind="own", outputs=study.system.outputs, **_fitting(options))
     kind: str = options["model"] or (study.model.kind if study.model else "")
     if not kind:
         raise ConfigError(
             f"{study.path.name}: lacks [model]: say --model 1, 2, 3, nomoto1 or nomoto2"
         )
     outputs = tuple(options["channels"]) or (study.model.outputs if study.model else ())
-    outputs = outputs or tuple(name for name in USUAL if name in study.columns)
+    outputs = outputs or tuple(name for name in USUAL if name in study.channels)
     kept = tuple(name for name in outputs if name in MODELS[kind].outputs)
     if not kept:
         raise ConfigError(f"model {kind} has outputs {', '.join(MODELS[kind].outputs)}")
     base = study.model or ModelTable(kind=kind, outputs=kept)
-    given = {"noise": options["noise"], "method": options["method"]}
-    told = {key: value for key, value in given.items() if value is not None}
-    return replace(base, kind=kind, outputs=kept, **told)
+    return replace(base, kind=kind, outputs=kept, **_fitting(options))
+
+
+def _fitting(options: dict[str, Any]) -> dict[str, Any]:
+    """Return what options say of how to fit."""
+    names = ("noise", "method", "reject")
+    return {name: options[name] for name in names if options.get(name) is not None}
 
 
 def _armax(study: Study, options: dict[str, Any]) -> ArmaxTable:

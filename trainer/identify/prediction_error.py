@@ -54,9 +54,16 @@ def settled_gain(problem: Problem, sampled: Sampled) -> Complexes | None:
     return gains
 
 
+def own_gain(problem: Problem, sampled: Sampled) -> Complexes | None:
+    """Return the gains (b, x, y) that the model gives."""
+    del problem
+    gain = sampled.as_complex().gain
+    return None if gain is None or not np.isfinite(gain).all() else gain
+
+
 @dataclass(frozen=True, eq=False)
 class Innovations:
-    """The cost of a predictor with a gain: ``no_gain`` (output error) or ``settled_gain``.
+    """The cost of a predictor with a gain: ``no_gain``, ``settled_gain`` or ``own_gain``.
 
     ``gains`` may also be a function of one's own; imaginary parts are derivatives.
     """
@@ -66,12 +73,12 @@ class Innovations:
 
     def value(self, theta: Numbers) -> float:
         """Return (n/2) log det(S/n) + n y (1 + log 2 pi)/2. S is the sum of error error'."""
-        errors = self._errors(self.problem.sampled(theta).as_complex())
+        errors = self._errors(theta, sloped=False)
         return math.inf if errors is None else _concentrate(errors[0].real)
 
     def slope(self, theta: Numbers) -> tuple[float, Numbers]:
         """Return the cost and its exact gradient (f,)."""
-        errors = self._errors(self.problem.sloped(theta))
+        errors = self._errors(theta, sloped=True)
         if errors is None:
             return math.inf, np.full(len(theta), math.nan)
         value, weighted, slopes = errors[0].real, *self._weighted(errors)
@@ -80,7 +87,7 @@ class Innovations:
 
     def information(self, theta: Numbers) -> Numbers:
         """Return n sum error_i' S^-1 error_j (f, f): the expected second derivatives."""
-        errors = self._errors(self.problem.sloped(theta))
+        errors = self._errors(theta, sloped=True)
         if errors is None:
             return np.full((len(theta), len(theta)), math.nan)
         value = errors[0].real
@@ -90,13 +97,14 @@ class Innovations:
         scale = self.problem.scale
         return np.asarray(standard @ standard.T * np.outer(scale, scale))
 
-    def errors(self, theta: Numbers) -> Numbers:
-        """Return the prediction errors (n, y); NaN where a reading is missing."""
-        sampled = self.problem.sampled(theta).as_complex()
-        gains = self.gains(self.problem, sampled)
+    def errors(self, theta: Numbers, number: int = 0) -> Numbers:
+        """Return a run's prediction errors (n, y); NaN where a reading is missing."""
+        run, at = self.problem.runs[number]
+        sampled = run.sampled(theta[at]).as_complex()
+        gains = self.gains(run, sampled)
         if gains is None:
             raise ConfigError("the filter does not settle: its gain is not known")
-        return np.asarray(self._run(sampled, gains, 0).real)
+        return np.asarray(_run(run, sampled, gains, 0).real)
 
     def _weighted(self, errors: Complexes) -> tuple[Numbers, Numbers]:
         """Return n S^-1 error (n, y) and the errors' slopes (f, n, y)."""
@@ -104,24 +112,33 @@ class Innovations:
         weighted = len(value) * np.linalg.solve(value.T @ value, value.T).T
         return weighted, errors[1:].imag / STEP
 
-    def _errors(self, sampled: Sampled) -> Complexes | None:
-        """Return the errors of whole samples (b, k, y); None if the model is impossible."""
-        if not possible(sampled):
-            return None
-        gains = self.gains(self.problem, sampled)
-        if gains is None:
-            return None
-        errors = np.stack([self._run(sampled, gains, row) for row in range(len(gains))])
-        errors = errors[:, ~np.isnan(self.problem.samples.outputs).any(axis=1)]
-        return errors if np.isfinite(errors).all() and errors.shape[1] else None
+    def _errors(self, theta: Numbers, *, sloped: bool) -> Complexes | None:
+        """Return the errors of whole samples of all runs (1+f, k, y), or only the first row.
 
-    def _run(self, sampled: Sampled, gains: Complexes, row: int) -> Complexes:
-        """Return the errors (n, y) of one row."""
-        samples = self.problem.samples
-        errors = np.empty(samples.outputs.shape, complex)
-        first = np.ascontiguousarray(sampled.start[row, :, 0])
-        run_with_gain(sampled.mean[row], gains[row], first, samples.table, samples.steps[1], errors)
-        return errors
+        Imaginary parts from the second row on are slopes. None if the model is impossible.
+        """
+        parts = []
+        for run, at in self.problem.runs:
+            sampled = run.sloped(theta[at]) if sloped else run.sampled(theta[at]).as_complex()
+            gains = self.gains(run, sampled) if possible(sampled) else None
+            if gains is None:
+                return None
+            errors = np.stack([_run(run, sampled, gains, row) for row in range(len(gains))])
+            errors = errors[:, ~np.isnan(run.samples.outputs).any(axis=1)]
+            part = np.zeros((1 + sloped * len(theta), *errors.shape[1:]), complex)
+            part[[0, *(1 + at)] if sloped else [0]] = errors
+            parts.append(part)
+        whole = np.concatenate(parts, axis=1)
+        return whole if np.isfinite(whole).all() and whole.shape[1] else None
+
+
+def _run(problem: Problem, sampled: Sampled, gains: Complexes, row: int) -> Complexes:
+    """Return the errors (n, y) of one row."""
+    samples = problem.samples
+    errors = np.empty(samples.outputs.shape, complex)
+    first = np.ascontiguousarray(sampled.start[row, :, 0])
+    run_with_gain(sampled.mean[row], gains[row], first, samples.table, samples.steps[1], errors)
+    return errors
 
 
 def _concentrate(errors: Numbers) -> float:
@@ -152,35 +169,36 @@ class MultiStep:
     last: int
 
     def value(self, theta: Numbers) -> float:
-        """Return n V2, n the samples that have a reading."""
-        cost, _ = self._cost(self.problem.sampled(theta).as_complex(), 0)
-        return float(cost.real)
+        """Return n V2, n the samples that have a reading; the sum of all runs."""
+        return float(sum(costs[0].real for costs in self._costs(theta, sloped=False)))
 
     def slope(self, theta: Numbers) -> tuple[float, Numbers]:
         """Return n V2 and its exact gradient (f,)."""
-        sampled = self.problem.sloped(theta)
-        costs = np.array([self._cost(sampled, row)[0] for row in range(len(sampled.start))])
-        return float(costs[0].real), costs[1:].imag / STEP * self.problem.scale
+        gradient, value = np.zeros(len(theta)), 0.0
+        for costs, (_, at) in zip(self._costs(theta, sloped=True), self.problem.runs, strict=True):
+            value += float(costs[0].real)
+            gradient[at] += costs[1:].imag / STEP
+        return value, gradient * self.problem.scale
 
     def information(self, theta: Numbers) -> Numbers:
         """Return the information of one step: a metric for minimisers, not for deviations."""
         return Likelihood(self.problem).information(theta)
 
-    def losses(self, theta: Numbers) -> tuple[float, float]:
-        """Return V1 = log det(pooled S)/count and V2."""
-        cost, pooled = self._cost(self.problem.sampled(theta).as_complex(), 0)
-        readings = self.problem.samples.outputs.shape[1]
-        sign, determinant = np.linalg.slogdet(pooled[1:].reshape(readings, readings))
-        first = float(determinant) / pooled[0] if sign > 0.0 and pooled[0] else math.nan
-        return first, cost.real / self.problem.samples.counted
+    def _costs(self, theta: Numbers, *, sloped: bool) -> list[Complexes]:
+        """Return n V2 of each run, in the first row, and its slopes in the next ones."""
+        found = []
+        for run, at in self.problem.runs:
+            sampled = run.sloped(theta[at]) if sloped else run.sampled(theta[at]).as_complex()
+            rows = range(len(sampled.start))
+            found.append(np.array([self._cost(run, sampled, row) for row in rows]))
+        return found
 
-    def _cost(self, sampled: Sampled, row: int) -> tuple[complex, Numbers]:
-        """Return n V2 of a row, and whole samples and pooled S (1 + y*y,)."""
-        samples = self.problem.samples
-        readings = samples.outputs.shape[1]
-        sums = np.empty(3 + readings * readings, complex)
+    def _cost(self, problem: Problem, sampled: Sampled, row: int) -> complex:
+        """Return n V2 of a row."""
+        samples = problem.samples
+        sums = np.empty(2, complex)
         if not possible(sampled):
-            return complex(math.inf), sums[2:].real
+            return complex(math.inf)
         system = sampled.mean[row], sampled.noise[row]
         steps = self.first, self.last
         start = np.ascontiguousarray(sampled.start[row])
@@ -189,6 +207,6 @@ class MultiStep:
         except ZeroDivisionError:  # of complex numbers, which compiled code raises
             count = 0
         if count <= 0:
-            return complex(math.inf), sums[2:].real
+            return complex(math.inf)
         mean = 0.5 * (sums[0] + sums[1] * LOG_2_PI) / count
-        return complex(mean * samples.counted), np.asarray(sums[2:].real)
+        return complex(mean * samples.counted)

@@ -63,6 +63,7 @@ class Sampled:
     mean: Entries  # (b, m, x+y, x+2u+1)
     noise: Entries  # (b, m, x+y, x+y)
     start: Entries  # (b, x, 1+x)
+    gain: Entries | None = None  # (b, x, y) of a predictor, where the model gives it
 
     def at(self, row: int) -> tuple[Numbers, Numbers, Numbers]:
         """Return mean, noise and start of one row, real."""
@@ -72,8 +73,8 @@ class Sampled:
 
     def as_complex(self) -> "Sampled":
         """Return the same numbers, complex: kernels of predictors take no others."""
-        parts = (self.mean, self.noise, self.start)
-        return Sampled(*(part.astype(complex, copy=False) for part in parts))
+        parts = (self.mean, self.noise, self.start, self.gain)
+        return Sampled(*(None if x is None else x.astype(complex, copy=False) for x in parts))  # type: ignore[arg-type]
 
     def slopes(self) -> tuple[Numbers, Numbers, Numbers]:
         """Return the derivatives of mean, noise and start, parameters last, from rows 1 on."""
@@ -94,4 +95,4 @@ def sample(blocks: Blocks, intervals: Numbers, sampling: str) -> Sampled:
     mean = np.empty((batch, intervals.size, rows, columns + inputs), blocks.drift.dtype)
     noise = np.empty((batch, intervals.size, rows, rows), blocks.drift.dtype)
     SAMPLINGS[sampling](blocks.drift, blocks.noise, blocks.lag, intervals, mean, noise)
-    return Sampled(mean, noise, blocks.start)
+    return Sampled(mean, noise, blocks.start, blocks.gain)

@@ -1,8 +1,7 @@
 """Records from files, and instruments between a recording's exact state and a record."""
 
-import csv
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -10,10 +9,11 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.recording_export import table_layout
-from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.files import ConfigError, collecting, nearest, quote
 from trainer.config.schema import Quantity, optional, within
+from trainer.config.tables import Table, read_table, rebuild_times
 from trainer.core.kernel import Numbers
-from trainer.identify.measurements import CHANNELS, Record
+from trainer.identify.measurements import CHANNELS, PLACES, Finding, Record
 from trainer.io.paths import SUFFIX
 from trainer.session.header import reading
 from trainer.units import DEGREE, KNOT
@@ -23,6 +23,7 @@ UNITS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
     "rad": {"rad": 1.0, "deg": DEGREE},
     "rad/s": {"rad/s": 1.0, "deg/s": DEGREE, "deg/min": DEGREE / 60.0},
     "m/s": {"m/s": 1.0, "kn": KNOT},
+    "place": {"deg": DEGREE, "ddmm": DEGREE, "rad": 1.0},
 }
 OWN: Final = {  # columns of the trainer, SI and radians
     "rudder": "delta_r",
@@ -31,25 +32,31 @@ OWN: Final = {  # columns of the trainer, SI and radians
     "sway": "v",
     "speed": "u",
 }
-EMPTY: Final = ("", "nan", "na", "null", "-")
+PLAIN: Final = "-"  # unit of a column that is taken as it stands
 
 
 @dataclass(frozen=True)
 class Column:
-    """The source of a channel: its column, and the factor from its unit to SI."""
+    """The source of a channel: its column and unit; None: what the file says."""
 
     name: str
-    scale: float
+    unit: str | None
 
 
 def own_columns() -> dict[str, Column]:
     """Return the columns of the trainer's own files, times among them."""
-    return {"t": Column("t", 1.0)} | {key: Column(name, 1.0) for key, name in OWN.items()}
+    own = {key: Column(name, CHANNELS[key]) for key, name in OWN.items()}
+    return {"t": Column("t", "s"), **own}
+
+
+def units_of(channel: str) -> Mapping[str, float]:
+    """Return the units that a channel can have, and what each is in SI."""
+    return UNITS["place" if channel in PLACES else "s" if channel == "t" else CHANNELS[channel]]
 
 
 def factor(channel: str, unit: str) -> float:
     """Return what numbers in ``unit`` are times in SI. ConfigError if the channel has none such."""
-    known = UNITS["s" if channel == "t" else CHANNELS[channel]]
+    known = units_of(channel)
     if unit not in known:
         raise ConfigError(f"{channel}: unit {quote(unit)}: must be {' or '.join(known)}")
     return known[unit]
@@ -60,103 +67,94 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
 
     ``columns`` says where each channel is, and under "t" the times; without "t" rows are counted.
     """
-    table = _read_recording(path) if path.suffix == SUFFIX else _read_csv(path)
-    problems = [
-        f"{path}: no column {quote(column.name)} for {channel}{nearest(column.name, table.names)}; "
-        f"it has {', '.join(table.names)}"
-        for channel, column in columns.items()
-        if column.name not in table.names
-    ]
-    if problems:
-        raise ConfigError(*problems)
-    taken = {channel: table.taken(column) for channel, column in columns.items()}
-    times = taken.pop("t", np.arange(len(table.rows), dtype=float))
+    read = _read_recording if path.suffix == SUFFIX else _read_csv
+    rows, taken, told = read(path, columns)
+    if len(rows) < 2:
+        raise ConfigError(f"{path}: has {len(rows)} rows of numbers; needs 2 or more")
+    times = taken.pop("t", np.arange(len(rows), dtype=float))
+    plain = {name: taken.pop(name) for name, one in columns.items() if one.unit == PLAIN}
     record = Record(
         source=str(path),
         t=times,
-        rows=np.array(table.rows),
+        rows=np.array(rows),
         names={channel: column.name for channel, column in columns.items()},
+        told=tuple(Finding(path.name, 0, text) for text in told),
+        plain=plain,
         **taken,
     )
-    _check_times(record)
+    check_times(record)
     return record
 
 
-@dataclass(frozen=True)
-class _Table:
-    """What a source holds; ``rows`` as people count."""
-
-    names: tuple[str, ...]
-    rows: list[int]
-    numbers: Numbers  # (rows, names)
-
-    def taken(self, column: Column) -> Numbers:
-        """Return a column in SI."""
-        return np.asarray(self.numbers[:, self.names.index(column.name)] * column.scale)
+Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
 
 
-def _read_csv(path: Path) -> _Table:
-    """Return the columns of a CSV file, NaN where a cell is empty."""
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = csv.reader(file)
-            names = tuple(name.strip() for name in next(lines, []))
-            cells = [
-                (lines.line_num, _cells(path, lines.line_num, names, row)) for row in lines if row
-            ]
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise ConfigError(f"{path}: is not a CSV text: {error}") from error
-    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
-    if twice:
-        raise ConfigError(f"{path}: column {quote(twice[0])} is given twice")
-    return _table(path, names, cells)
+def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
+    """Return the wanted columns of a CSV file, NaN where a cell is empty."""
+    table = read_table(path)
+    lacking = [(name, one) for name, one in columns.items() if not table.has(one.name)]
+    problems = list[str]()
+    for channel, column in lacking:
+        with collecting(problems):
+            table.place(column.name, channel)
+    if problems:
+        raise ConfigError(*problems)
+    told, other = list(table.told), list[str]()
+    taken = {channel: _take(table, channel, one, other) for channel, one in columns.items()}
+    if "t" in columns:
+        name = columns["t"].name
+        if table.is_clock(table.place(name)):
+            told.append("times by ISO 8601")
+        taken["t"], rebuilt = rebuild_times(taken["t"], table.repeats)
+        other += [f"{name}: {rebuilt}"] if rebuilt else []
+    return table.lines, taken, ([f"read with {', '.join(told)}"] if told else []) + other
 
 
-def _cells(path: Path, line: int, names: tuple[str, ...], row: list[str]) -> list[float]:
-    """Return the numbers of one row; ConfigError naming row and column if one is none."""
-    if len(row) != len(names):
-        raise ConfigError(f"{path}: row {line}: has {len(row)} fields, the heading {len(names)}")
-    numbers = []
-    for name, text in zip(names, row, strict=True):
-        if text.strip().casefold() in EMPTY:
-            numbers.append(math.nan)
-            continue
-        try:
-            number = float(text)
-        except ValueError:
-            number = math.inf
-        if math.isinf(number):
-            raise ConfigError(
-                f"{path}: row {line}: {name} = {quote(text)}: must be a number, or empty"
-            )
-        numbers.append(number)
-    return numbers
+def _take(table: Table, channel: str, column: Column, told: list[str]) -> Numbers:
+    """Return a channel in SI; ConfigError if it has no unit, or a cell is no number."""
+    place = table.place(column.name)
+    if column.unit == PLAIN:
+        return table.numbers(place)
+    if channel == "t" and table.is_clock(place):
+        return table.seconds(place)
+    said, known = table.units[place], units_of(channel)
+    unit = column.unit or said
+    if unit not in known:
+        where = f"the file says {quote(said)}" if said else "the file does not say its unit"
+        raise ConfigError(
+            f"{table.path}: {column.name} for {channel}: {where}: "
+            f"say in the study unit = {' or '.join(map(quote, known))}"
+        )
+    if said and said != unit:
+        told.append(f"{column.name} is in {said}, the study says {unit}: taken as {unit}")
+    numbers = table.angles(place, unit) if channel in PLACES else table.numbers(place)
+    return numbers * known[unit]
 
 
-def _read_recording(path: Path) -> _Table:
-    """Return the columns of the latest branch of a recording; a row is a tick."""
+def _read_recording(path: Path, columns: Mapping[str, Column]) -> Taken:
+    """Return the wanted columns of the latest branch of a recording; a row is a tick."""
     with reading(path) as recording:
         layout = table_layout(recording)
         names = ("t", *layout.columns)
-        cells = [
-            (tick.tick, [tick.tick * layout.step, *layout.numbers(tick.state)])
-            for tick in recording.flown(recording.branch)
-        ]
-    return _table(path, names, cells)
+        ticks, cells = [], []
+        for tick in recording.flown(recording.branch):
+            ticks.append(tick.tick)
+            cells.append([tick.tick * layout.step, *layout.numbers(tick.state)])
+    taken = {}
+    for channel, column in columns.items():
+        if column.name not in names:
+            raise ConfigError(
+                f"{path}: no column {quote(column.name)} for {channel}"
+                f"{nearest(column.name, names)}; it has {', '.join(names)}"
+            )
+        place = names.index(column.name)
+        scale = 1.0 if column.unit == PLAIN else factor(channel, column.unit or "")
+        taken[channel] = scale * np.array([row[place] for row in cells])
+    return ticks, taken, []
 
 
-def _table(path: Path, names: tuple[str, ...], cells: Iterable[tuple[int, Any]]) -> _Table:
-    """Return the table; ConfigError if it has fewer than two rows."""
-    rows = list(cells)
-    if len(rows) < 2:
-        raise ConfigError(f"{path}: has {len(rows)} rows of numbers; needs 2 or more")
-    return _Table(names, [row for row, _ in rows], np.array([numbers for _, numbers in rows]))
-
-
-def _check_times(record: Record) -> None:
-    """Check that time is known and rises; ConfigError naming the first row where it does not."""
+def check_times(record: Record) -> None:
+    """Check that time is known and rises; ConfigError naming the first bad row."""
     missing = np.isnan(record.t)
     if missing.any():
         row = record.row(int(np.argmax(missing)))

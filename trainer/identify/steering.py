@@ -6,7 +6,8 @@ left out of the models; what it does to sway and yaw is small, and `gap` says ho
 A ship in a few numbers as a vehicle for manoeuvres: a Nomoto file under helm.
 
 Section 12.3, without differentiating the rudder: r' = (z - (T1 + T2) r + K T3 delta)/(T1 T2),
-z' = K delta - r + kappa K |r| r. The sway filter has the same denominator. Speed does not change.
+z' = K delta - K H(r), by kappa K H(r) = r - kappa K |r| r. The sway filter has the same
+denominator. Speed does not change.
 """
 
 import math
@@ -24,7 +25,16 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import Record
-from trainer.identify.nomoto import Nomoto, NomotoFile, load_nomoto, nomoto, solve_motion, transfer
+from trainer.identify.nomoto import (
+    Levers,
+    Nomoto,
+    NomotoFile,
+    levers,
+    load_nomoto,
+    nomoto,
+    solve_motion,
+    transfer,
+)
 from trainer.units import KNOT
 
 STEERED: Final = ("v", "r")
@@ -46,6 +56,11 @@ class Steering:
     def nomoto(self) -> Nomoto:
         """Return gains and time constants, SI."""
         return nomoto(transfer(*solve_motion(self.M, self.F, self.g)))
+
+    @property
+    def levers(self) -> Levers:
+        """Return the lever arms and the margin of stability [m]."""
+        return levers(self.F, self.g)
 
     @property
     def prime(self) -> dict[str, float]:
@@ -189,6 +204,7 @@ class Steered:
         self._speed = ship.speed_kn * KNOT
         self._limit = math.radians(ship.rudder_limit_deg)
         self._neutral = math.radians(ship.neutral_deg or 0.0)
+        self._bend = ship.bend
         self._state = np.zeros(7)
         self._rudder = self._ordered = self._neutral
         self._time = 0.0
@@ -252,8 +268,9 @@ class Steered:
         """Return the rates of change of the state under a rudder ``helm`` [rad]."""
         ship, r = self._ship, s[R]
         T1, T2, T3, K = ship.T1_s, ship.T2_s, ship.T3_s, ship.K_per_s
-        kappa, K_v, T3v = ship.kappa_s2 or 0.0, ship.K_v_m_s or 0.0, ship.T3v_s or 0.0
-        bent = r - kappa * K * abs(r) * r
+        K_v, T3v = ship.K_v_m_s or 0.0, ship.T3v_s or 0.0
+        linear, square, cube = self._bend
+        bent = r * (linear + square * abs(r) + cube * r * r)
         if T2 == 0.0:
             turning, z_rate = (K * helm - bent) / T1, 0.0
             swaying, sway_z = (K_v * helm - s[SWAY]) / T1, 0.0

@@ -1,6 +1,6 @@
 """An identification study from its file: record, ship, model and parameters, checked at load."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Final
@@ -9,8 +9,9 @@ import numpy as np
 
 from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
 from trainer.config.schema import described, file_schema, read_record, record_schema
-from trainer.identify.findings import Finding, examine, unwrap_heading
-from trainer.identify.measurements import Record
+from trainer.identify.findings import examine, examine_columns, unwrap_heading
+from trainer.identify.measurements import Finding, Record
+from trainer.identify.own_systems import System
 from trainer.identify.sources import (
     USUAL,
     Column,
@@ -23,19 +24,29 @@ from trainer.identify.sources import (
 from trainer.identify.study_records import (
     COLUMNS,
     PARAMETERS,
+    RUNS,
     ArmaxTable,
     ColumnRow,
     Heading,
     ModelTable,
     ParameterRow,
+    RunRow,
     Ship,
+    Track,
 )
+from trainer.identify.track import Drift, with_sway
 from trainer.io.paths import SUFFIX
 from trainer.units import KNOT
 
-TABLES: Final = ("columns", "ship", "sensors", "model", "parameters", "armax")
+OPTIONAL: Final = {
+    "ship": Ship,
+    "sensors": Sensors,
+    "track": Track,
+    "model": ModelTable,
+    "armax": ArmaxTable,
+}
+TABLES: Final = ("columns", "runs", "parameters", *OPTIONAL)
 KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
-OPTIONAL: Final = {"ship": Ship, "sensors": Sensors, "model": ModelTable, "armax": ArmaxTable}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,9 +58,17 @@ class Study:
     columns: Mapping[str, Column]
     ship: Ship | None
     sensors: Sensors | None
+    track: Track | None
     model: ModelTable | None
     parameters: tuple[ParameterRow, ...]
     armax: ArmaxTable | None
+    runs: tuple[RunRow, ...] = ()
+    system: System | None = None  # of the user's own
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Return what is recorded, and the sway of a track."""
+        return (*self.columns, "sway") if "latitude" in self.columns else tuple(self.columns)
 
     @property
     def data(self) -> Path:
@@ -74,6 +93,7 @@ def plain_study(data: Path) -> Study:
         columns=own_columns(),
         ship=None,
         sensors=USUAL if data.suffix == SUFFIX else None,
+        track=None,
         model=None,
         parameters=(),
         armax=None,
@@ -90,6 +110,7 @@ def parse_study(text: str, path: Path) -> Study:
         if key not in KNOWN
     ]
     parts: dict[str, Any] = {"parameters": ()}
+    own_kind = as_kind(table.get("model")) == "own"
     with collecting(problems):
         own = {key: value for key, value in table.items() if key in KNOWN and key not in TABLES}
         parts["heading"] = _heading(own, place)
@@ -100,7 +121,9 @@ def parse_study(text: str, path: Path) -> Study:
                 parts[name] = read_record(record, table[name], place.inside(name), ("note",))
     with collecting(problems):
         rows = COLUMNS.read("columns", table.get("columns", []), place)
-        parts["columns"] = _columns(rows, place)
+        parts["columns"] = _columns(rows, place, steered=not own_kind)
+    with collecting(problems):
+        parts["runs"] = RUNS.read("runs", table.get("runs", []), place)
     with collecting(problems):
         parts["parameters"] = PARAMETERS.read("parameters", table.get("parameters", []), place)
         _check_once([row.name for row in parts["parameters"]], place, "parameters")
@@ -109,9 +132,14 @@ def parse_study(text: str, path: Path) -> Study:
     if problems:
         raise ConfigError(*problems)
     study = Study(path=path, **parts)
-    if not study.columns:
+    if not study.columns and not own_kind:
         return replace(study, columns=_own(study, place))
     return study
+
+
+def as_kind(model: object) -> object:
+    """Return the kind that a table of a model says, None if it says none."""
+    return model.get("kind") if isinstance(model, Mapping) else None
 
 
 def _heading(table: Mapping[str, Any], place: Place) -> Heading:
@@ -123,17 +151,19 @@ def _heading(table: Mapping[str, Any], place: Place) -> Heading:
     return heading
 
 
-def _columns(rows: tuple[ColumnRow, ...], place: Place) -> dict[str, Column]:
+def _columns(rows: tuple[ColumnRow, ...], place: Place, *, steered: bool) -> dict[str, Column]:
     """Return the columns by channel; ConfigError if one is given twice or in a wrong unit."""
     _check_once([row.channel for row in rows], place, "columns")
     problems: list[str] = []
     found = {}
     for i, row in enumerate(rows):
         try:
-            found[row.channel] = Column(row.column, factor(row.channel, row.unit))
+            if row.unit is not None:
+                factor(row.channel, row.unit)
+            found[row.channel] = Column(row.column, row.unit)
         except ConfigError as wrong:
             problems.append(place.inside(f"columns[{i}]").problem(str(wrong)))
-    if found and "rudder" not in found and not problems:
+    if found and steered and "rudder" not in found and not problems:
         problems.append(place.inside("columns").problem("no column is the rudder"))
     if problems:
         raise ConfigError(*problems)
@@ -157,15 +187,32 @@ def _check_whole(parts: Mapping[str, Any], place: Place) -> None:
             if value is not None and value != int(value):
                 inside = place.inside(table) if table else place
                 problems.append(inside.wrong(key, value, "must be a whole number"))
-    model, ship = parts.get("model"), parts.get("ship")
-    if model is not None and ship is None:
-        problems.append(place.problem("[model] needs a [ship] with its length_m"))
-    if model is not None and ship is not None:
-        for channel, key in (("bow_sway", "bow_log_m"), ("stern_sway", "stern_log_m")):
-            if channel in model.outputs and getattr(ship, key) is None:
-                problems.append(place.inside("ship").problem(f"output {channel} needs {key}"))
+    model = parts.get("model")
+    if model is not None:
+        problems += _model_problems(model, parts.get("ship"), place)
     if problems:
         raise ConfigError(*problems)
+
+
+def _model_problems(model: ModelTable, ship: Ship | None, place: Place) -> Iterator[str]:
+    """Yield what a model lacks, or does not go with."""
+    inside = place.inside("model")
+    if model.kind == "own":
+        if model.outputs:
+            yield inside.problem("of kind own has outputs of its own")
+        if model.file is None:
+            yield inside.problem("of kind own lacks file, its system")
+        return
+    if not model.outputs:
+        yield inside.problem("lacks outputs")
+    if model.file is not None:
+        yield inside.wrong("file", model.file, "goes with kind own")
+    if ship is None:
+        yield place.problem("[model] needs a [ship] with its length_m")
+        return
+    for channel, key in (("bow_sway", "bow_log_m"), ("stern_sway", "stern_log_m")):
+        if channel in model.outputs and getattr(ship, key) is None:
+            yield place.inside("ship").problem(f"output {channel} needs {key}")
 
 
 def _own(study: Study, place: Place) -> dict[str, Column]:
@@ -185,18 +232,23 @@ class Observed:
     findings: tuple[Finding, ...]
 
 
-def observe(study: Study) -> Observed:
+def observe(study: Study, loaded: Record | None = None) -> Observed:
     """Return the record of a study: signs and units as here, thinned, cut, examined.
 
-    ConfigError with what forbids its use.
+    The record is ``loaded``, or that of the study's file. ConfigError with what forbids its use.
     """
     heading = study.heading
-    record = load_record(study.data, study.columns)
+    record = loaded or load_record(study.data, study.columns)
     if "t" not in study.columns:
         record = replace(record, t=record.t * (heading.interval_s or 1.0))
     if heading.positive_rudder == "starboard" and record.rudder is not None:
         record = replace(record, rudder=-record.rudder)
-    findings = examine(record)
+    if study.system is not None:
+        record = replace(record, driving=study.system.inputs)
+        findings = examine_columns(record)
+    else:
+        record = with_sway(record, _drift(study.track or Track()))
+        findings = examine(record, study.ship)
     record = unwrap_heading(record).every(int(heading.every or 1))
     if study.sensors is not None:
         record = read_by(record, study.sensors)
@@ -205,6 +257,28 @@ def observe(study: Study) -> Observed:
         np.inf if heading.to_s is None else heading.to_s,
     )
     return Observed(record, tuple(findings))
+
+
+def studies_of(study: Study) -> tuple[Study, ...]:
+    """Return the study of each run alone, the first record's first."""
+    return (study, *(_study_of(study, number, row) for number, row in enumerate(study.runs, 1)))
+
+
+def _study_of(study: Study, number: int, row: RunRow) -> Study:
+    """Return the study of a further run; its instruments err on their own."""
+    ship, sensors = study.ship, study.sensors
+    if ship is not None and row.speed_kn is not None:
+        ship = replace(ship, speed_kn=row.speed_kn)
+    if sensors is not None:
+        sensors = replace(sensors, seed=(sensors.seed or 1) + number)
+    heading = replace(study.heading, data=row.data, from_s=row.from_s, to_s=row.to_s)
+    return replace(study, heading=heading, ship=ship, sensors=sensors, runs=())
+
+
+def _drift(track: Track) -> Drift:
+    """Return current [m/s] and antenna [m] of a track."""
+    east, north = (KNOT * (one or 0.0) for one in (track.current_east_kn, track.current_north_kn))
+    return Drift(east, north, track.antenna_m or 0.0)
 
 
 def speed_of(study: Study, record: Record) -> float:
@@ -221,6 +295,7 @@ def identification_schema() -> dict[str, Any]:
     """Return the JSON Schema of an identification study."""
     heading = record_schema(Heading, ("note",))
     tables = {name: record_schema(record, ("note",)) for name, record in OPTIONAL.items()}
-    rows = {"columns": described(COLUMNS), "parameters": described(PARAMETERS)}
+    arrays = {"columns": COLUMNS, "runs": RUNS, "parameters": PARAMETERS}
+    rows = {name: described(each) for name, each in arrays.items()}
     keys = {**heading["properties"], **tables, **rows}
     return file_schema("identification", keys, heading["required"])

@@ -1,6 +1,6 @@
 """The tables of an identification study: keys, units and limits."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.config.schema import (
@@ -16,14 +16,15 @@ from trainer.config.schema import (
     within,
 )
 from trainer.identify.armax_orders import TREATMENTS
-from trainer.identify.measurements import CHANNELS, OUTPUTS
+from trainer.identify.measurements import CHANNELS, OUTPUTS, PLACES
 from trainer.identify.sources import Sensors
 
 LONGEST: Final = 1e9  # [s]
-MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
+MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2", "own")
 NOISES: Final = ("output-error", "innovations", "covariance")
 METHODS: Final = ("scoring", "bfgs", "direct")
 YES_NO: Final = ("yes", "no")
+TURNING: Final = Choice(("port", "starboard"), "way a positive rudder turns the ship; else port")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,9 +34,7 @@ class Heading:
     schema: str = of(Choice(("identify/1",), "form of the file"))
     name: str = of(Text(79, "what is studied"))
     data: str = of(Text(200, "CSV file or recording, from this file's folder"))
-    positive_rudder: str | None = optional(
-        Choice(("port", "starboard"), "way a positive rudder turns the ship; else port")
-    )
+    positive_rudder: str | None = optional(TURNING)
     from_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "first time used"))
     to_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "last time used"))
     every: float | None = optional(Quantity("-", within(1, 1000), "takes one sample of so many"))
@@ -48,9 +47,11 @@ class Heading:
 class ColumnRow:
     """Where one channel is found; a recording of the trainer needs none."""
 
-    channel: str = of(Choice(("t", *CHANNELS), "what it is"))
+    channel: str = of(Choice(("t", *CHANNELS, *PLACES), "what it is"))
     column: str = of(Text(80, "heading of the column"))
-    unit: str = of(Text(8, "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn"))
+    unit: str | None = optional(
+        Text(8, "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, ddmm; else what the file says")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,11 +75,25 @@ class Ship:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Track:
+    """The antenna and the current, between a track of latitudes and longitudes and sway."""
+
+    antenna_m: float | None = optional(
+        Quantity("m", within(-600, 600), "forward of the centre of mass; else 0")
+    )
+    current_east_kn: float | None = optional(Quantity("kn", within(-20, 20), "taken off; else 0"))
+    current_north_kn: float | None = optional(Quantity("kn", within(-20, 20), "likewise"))
+
+
+@dataclass(frozen=True, kw_only=True)
 class ModelTable:
     """The model and how it is fitted."""
 
     kind: str = of(Choice(MODELS, "model"))
-    outputs: tuple[str, ...] = of(Choices(OUTPUTS, "channels fitted"))
+    outputs: tuple[str, ...] = field(
+        default=(), metadata={"kind": Choices(OUTPUTS, "channels fitted; none for own")}
+    )
+    file: str | None = optional(Text(200, "system file, or a program, of kind own"))
     system: str | None = optional(Choice(("prime", "bis"), "of the derivatives; else prime"))
     noise: str | None = optional(Choice(NOISES, "noise model; else covariance"))
     measurement: str | None = optional(
@@ -107,6 +122,19 @@ class ParameterRow:
     start: float | None = optional(Quantity("-", within(-1e12, 1e12), "else the model's own"))
     free: str | None = optional(Choice(YES_NO, "estimated? else as the model has it"))
     scale: float | None = optional(Quantity("-", above(0, 1e12), "size of a unit step; else own"))
+    per_run: str | None = optional(
+        Choice(YES_NO, "does each run have its own? else the first state and steady forces have")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunRow:
+    """A further record of the same ship, fitted together with the first."""
+
+    data: str = of(Text(200, "CSV file or recording of the same columns"))
+    from_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "first time used"))
+    to_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "last time used"))
+    speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the ship's"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,14 +149,17 @@ class ArmaxTable:
     lags: float | None = optional(Quantity("-", within(1, 50), "of the residual tests; else 10"))
 
 
-COLUMNS: Final = Rows(ColumnRow, ("note",), 0, len(CHANNELS) + 1, "columns, below")
+COLUMNS: Final = Rows(ColumnRow, ("note",), 0, len(CHANNELS) + 3, "columns, below")
+RUNS: Final = Rows(RunRow, ("note",), 0, 50, "further records, below")
 PARAMETERS: Final = Rows(ParameterRow, ("note",), 0, 60, "parameters, below")
 
 RECORDS: Final = {
     "": Heading,
     "[columns]": ColumnRow,
+    "[runs]": RunRow,
     "ship": Ship,
     "sensors": Sensors,
+    "track": Track,
     "model": ModelTable,
     "[parameters]": ParameterRow,
     "armax": ArmaxTable,

@@ -111,12 +111,8 @@ def inseparable(problem: Problem) -> tuple[tuple[str, ...], ...]:
 
 def _together(problem: Problem) -> tuple[tuple[str, ...], ...]:
     """Return initial states and variances of the same state that are both free."""
-    model, free = problem.plant.model, set(problem.free)
-    return tuple(
-        (model.names[model.start + i], model.names[model.start_covariance + i])
-        for i in range(model.states)
-        if {model.start + i, model.start_covariance + i} <= free
-    )
+    free = set(problem.names)
+    return tuple(pair for pair in problem.plant.model.paired if free.issuperset(pair))
 
 
 def hessian(cost: Cost, theta: Numbers) -> Numbers:
@@ -137,6 +133,28 @@ def hessian(cost: Cost, theta: Numbers) -> Numbers:
         columns.append((plus - minus) / ((1.0 + back) * step))
     found = np.column_stack(columns)
     return np.asarray(0.5 * (found + found.T))
+
+
+WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
+WIDEST: Final = 50.0  # [-] logarithm of the widest interval's half
+RATIOS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")  # coefficients
+
+
+def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
+    """Return 95 % intervals (f, 2) of parameters, some of them by the logarithm.
+
+    So it is of variances, which are above nothing, and of coefficients whose sign is sure: gains
+    and time constants are their products and ratios. The deviation of such a number grows with it:
+    twice as much to either side would hold too little above, and too much below.
+    """
+    names = RATIOS if problem.plant.model.system is None else ()
+    ratio = np.isin(problem.names, names) & (np.abs(theta) > WIDTH * deviations)
+    scaled = (ratio | np.isin(problem.kinds, ("variance", "error"))) & (theta != 0.0)
+    share = WIDTH * deviations / np.where(scaled, np.abs(theta), 1.0)
+    ways = np.array([-1.0, 1.0])
+    factors = theta[:, None] * np.exp(np.minimum(share, WIDEST)[:, None] * ways)
+    straight = theta[:, None] + WIDTH * deviations[:, None] * ways
+    return np.sort(np.where(scaled[:, None], factors, straight), axis=1)
 
 
 Derived = Callable[[Numbers], Numbers]

@@ -9,13 +9,20 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import nomoto_of
 from trainer.identify.fitting import Fitted
-from trainer.identify.kernels.simulation import simulate
+from trainer.identify.kernels.screening import simulate
 from trainer.identify.likelihood import possible
 from trainer.identify.measurements import Record, Samples, samples_of
-from trainer.identify.nonlinear import Bend, Bent, kappa_from_record
+from trainer.identify.nonlinear import (
+    CURVE,
+    LINEAR,
+    Bend,
+    Bent,
+    bend_from_records,
+    curve_from_turns,
+)
 from trainer.identify.prediction_error import Innovations
 from trainer.identify.problem import Problem
-from trainer.identify.start_values import ERRORS, STATES
+from trainer.identify.start_values import STATES
 from trainer.identify.study import load_study, observe
 
 
@@ -32,16 +39,19 @@ def root(covariance: Numbers) -> Numbers:
     )
 
 
-def deterministic(problem: Problem, theta: Numbers) -> Numbers:
+def deterministic(problem: Problem, theta: Numbers, driven: Numbers | None = None) -> Numbers:
     """Return states and outputs (n, x+y) of the model alone, without any noise.
 
-    The states are SI, the outputs in knots and degrees.
+    The states are SI, the outputs in knots and degrees. ``driven`` (n, x) is added to the states
+    that follow.
     """
     mean, _, start = problem.sampled(theta).at(0)
     samples = problem.samples
     out = np.empty((len(samples.t), mean.shape[1]))
     still = np.zeros_like(out)
     inputs = samples.table[:, samples.outputs.shape[1] :]
+    if driven is not None:
+        still[:, : driven.shape[1]] = driven
     simulate(mean, start[:, 0], np.ascontiguousarray(inputs), samples.steps[1], still, out)
     return out
 
@@ -93,8 +103,8 @@ def loss_alone(fitted: Fitted) -> float:
 
 def check_of(fitted: Fitted, path: Path) -> Check:
     """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
-    problem = other_problem(fitted, path)
-    there, own = (_errors(one) for one in (problem, replace(fitted.problem, values=fitted.values)))
+    problem = other_problem(fitted, other_record(fitted, path))
+    there, own = (_errors(one) for one in (problem, _found(fitted)))
     share = there / _spread(problem)
     return Check(
         source=str(path),
@@ -109,64 +119,104 @@ def check_of(fitted: Fitted, path: Path) -> Check:
 def other_record(fitted: Fitted, path: Path) -> Record:
     """Return the record of another study, or another one of the same columns."""
     if path.suffix == ".toml":
-        return observe(load_study(path)).record
+        own = fitted.study.system
+        study = load_study(path)
+        study = study if own is None else replace(study, columns=fitted.study.columns, system=own)
+        return observe(study).record
     heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
     beside = path.parent / fitted.study.path.name
     return observe(replace(fitted.study, path=beside, heading=heading)).record
 
 
-def bend_of(fitted: Fitted, path: Path) -> Bend:
-    """Return the kappa by which the fitted ship follows a large manoeuvre best (12).
+def bend_of(fitted: Fitted, path: Path, kind: str, *, joint: bool) -> tuple[Bend, Record]:
+    """Return what steady turns or a large manoeuvre tell of the fitted ship (12).
 
+    Their record too. ``kind`` is "kappa", "bech" for H(r) of a record, or "spiral" for H(r) of
+    steady turns, whose times are not read. ``joint``: the linear constants too, from both records.
     ConfigError if the model has no yaw, or a pair of complex roots.
     """
     plant = fitted.problem.plant
     form = nomoto_of(plant.model, fitted.values, plant.ship)
     if not form.K or form.T1.imag or not form.T2.real:
-        raise ConfigError("kappa goes with K, T1, T2 and T3: fit model 1, 3 or nomoto2")
+        raise ConfigError(f"{kind} goes with K, T1, T2 and T3: fit model 1, 3 or nomoto2")
+    ship = Bent(form.K, form.T1.real, form.T2.real, form.T3)
+    if kind == "spiral":
+        record = _turns(fitted, path)
+        rudder, rate = record.column("rudder"), record.column("yaw_rate")
+        return curve_from_turns(ship, record.source, rudder, rate), record
     record = other_record(fitted, path)
     # a bend that halves the gain at the fastest turn: where the search begins
-    bend = 1.0 / (abs(form.K) * float(np.nanmax(np.abs(record.column("yaw_rate")))))
-    ship = Bent(form.K, form.T1.real, form.T2.real, form.T3, bend)
-    return kappa_from_record(ship, record)
+    fastest = float(np.nanmax(np.abs(record.column("yaw_rate"))))
+    ship = replace(ship, kappa=1.0 / (abs(form.K) * fastest))
+    own = fitted.record
+    same = len(own.t) == len(record.t) and bool(np.allclose(own.t, record.t))
+    same = same and np.array_equal(own.column("rudder"), record.column("rudder"))
+    records = [own, record] if joint and not same else [record]
+    free = ("kappa",) if kind == "kappa" else CURVE
+    return bend_from_records(ship, records, (*LINEAR, *free) if joint else free), record
 
 
-def other_problem(fitted: Fitted, path: Path) -> Problem:
+def _turns(fitted: Fitted, path: Path) -> Record:
+    """Return steady turns, a row each, from a file of the same columns or another study."""
+    study = load_study(path) if path.suffix == ".toml" else fitted.study
+    columns = {
+        name: study.columns[name] for name in ("rudder", "yaw_rate") if name in study.columns
+    }
+    data = study.heading.data if path.suffix == ".toml" else path.name
+    heading = replace(study.heading, data=data, from_s=None, to_s=None, every=None)
+    place = path.parent / study.path.name
+    return observe(
+        replace(study, path=place, heading=heading, columns=columns, sensors=None)
+    ).record
+
+
+def other_problem(fitted: Fitted, record: Record) -> Problem:
     """Return the fitted model on another record, from the initial state that fits it best.
 
     By rudder alone the outputs are linear in that state. Each is weighed by its own errors: a
-    heading in degrees would else buy its hundredths with whole degrees a second.
+    heading in degrees would else buy its hundredths with whole degrees a second. Outputs that were
+    not recorded are not a number; where none was, the ship begins at rest.
     """
     plant = fitted.problem.plant
-    samples = samples_of(other_record(fitted, path), plant.outputs)
-    values = fitted.values
-    places = [plant.model.place(name) for name, _ in STATES[plant.model.name]]
-    values[places] = 0.0
-    problem = replace(fitted.problem, samples=samples, values=values)
+    own, known = plant.model.system, {}
+    if own is None:
+        unknown = {name: np.full(len(record.t), np.nan) for name in plant.outputs}
+        known = {name: getattr(record, name) for name in plant.outputs if name in record.channels}
+        samples = samples_of(replace(record, **{**unknown, **known}), plant.outputs)
+    else:
+        samples = samples_of(record, plant.outputs, own.inputs)
+    problem = replace(_found(fitted), samples=samples)
+    states = len(STATES.get(plant.model.name, range(plant.model.states)))  # those that may differ
+    first = problem.sampled(problem.start).start[0, :, 0].real
+    first[:states] = 0.0
+    problem = replace(problem, first=first)
+    if not known and own is None:
+        return problem
     still = alone(problem, problem.start)
-    columns = [alone(_from(problem, place), _from(problem, place).start) for place in places]
-    known, weight = ~np.isnan(samples.outputs), 1.0 / _reading_errors(fitted)
-    free = np.column_stack([((column - still) * weight)[known] for column in columns])
-    left = ((samples.outputs - still) * weight)[known]
-    values[places] = np.linalg.lstsq(free, left, rcond=None)[0]
-    return replace(problem, values=values)
+    units = [replace(problem, first=first + one) for one in np.eye(len(first))[:states]]
+    there, weight = ~np.isnan(samples.outputs), 1.0 / _reading_errors(fitted)
+    changes = [alone(unit, unit.start) - still for unit in units]
+    free = np.column_stack([(change * weight)[there] for change in changes])
+    width = np.maximum(np.linalg.norm(free, axis=0), 1e-300)
+    left = ((samples.outputs - still) * weight)[there]
+    best = np.linalg.lstsq(free / width, left, rcond=None)[0] / width
+    return replace(problem, first=np.concatenate([best, first[states:]]))
 
 
 def _reading_errors(fitted: Fitted) -> Numbers:
     """Return the standard deviations of the outputs' errors (y,), as fitted or as they scatter."""
     plant = fitted.problem.plant
-    names = [ERRORS[plant.model.name][output] for output in plant.outputs]
-    told = np.sqrt(np.abs([fitted.values[plant.model.place(name)] for name in names]))
+    noise = np.diag(plant.blocks(fitted.values[None]).noise[0])
+    told = np.sqrt(noise[plant.model.states :])
     if isinstance(fitted.cost, Innovations):  # which has no errors of readings
-        told = _errors(replace(fitted.problem, values=fitted.values))
+        told = _errors(_found(fitted))
     return np.asarray(np.maximum(told, 1e-12))
 
 
-def _from(problem: Problem, place: int) -> Problem:
-    """Return the problem with one parameter at 1."""
-    values = problem.values.copy()
-    values[place] = 1.0
-    return replace(problem, values=values)
+def _found(fitted: Fitted) -> Problem:
+    """Return the first run alone, at what was found."""
+    problem, _ = fitted.problem.runs[0]
+    return replace(problem, values=fitted.values)
 
 
 def _errors(problem: Problem) -> Numbers:

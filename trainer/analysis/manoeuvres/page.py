@@ -1,10 +1,12 @@
 """A manoeuvre flown for the command line: its report, page, plot and CSV file."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from trainer.analysis.compare import unit
 from trainer.analysis.manoeuvres.catalogue import (
@@ -15,6 +17,7 @@ from trainer.analysis.manoeuvres.catalogue import (
     parameters,
 )
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly
+from trainer.analysis.manoeuvres.spiral import WAYS
 from trainer.analysis.manoeuvres.submarine import CALM, DEEP, Rig, Submarine
 from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
 from trainer.analysis.report.plots import Curve, Panel
@@ -27,6 +30,8 @@ from trainer.io.atomic_write import write_whole
 from trainer.units import KNOT
 
 TRACK = "track"
+TURNS = "turns"  # yaw rate over rudder where turns were steady
+HELD = "rates held"
 
 
 @dataclass(frozen=True)
@@ -151,11 +156,29 @@ def panels(manoeuvre: Manoeuvre, flight: Flight) -> tuple[Panel, ...]:
         if name == TRACK:
             curve = Curve("track", flight.column("y"), flight.column("x"))
             found.append(Panel("track", "east [m]", "north [m]", (curve,)))
+        elif name == TURNS and flight.has("delta_r"):
+            curves = tuple(_steady_turns(flight))
+            found.append(Panel("steady turns", "delta_r [deg]", "r [deg/s]", curves))
         elif flight.has(name):
             factor, of = unit(name)
             curve = Curve(name, flight.t, factor * flight.column(name))
             found.append(Panel(name, "time [s]", f"{name} [{of}]", (curve,), marks))
     return tuple(found)
+
+
+def _steady_turns(flight: Flight) -> Iterator[Curve]:
+    """Yield yaw rate over rudder at the marks, each way of a spiral by itself."""
+    ways = dict.fromkeys(_way(mark) for mark in flight.marks)
+    for way in ways:
+        t = np.array([mark.t for mark in flight.marks if _way(mark) == way])
+        helm, rate = (np.interp(t, flight.t, flight.column(name)) for name in ("delta_r", "r"))
+        yield Curve(way, np.degrees(helm), np.degrees(rate), points=way == HELD)
+
+
+def _way(mark: Mark) -> str:
+    """Return which way of a direct spiral a mark is of, HELD where a rate was held."""
+    first = mark.name.split()[0]
+    return first if first in WAYS else HELD
 
 
 def write_csv(flight: Flight, path: Path) -> None:

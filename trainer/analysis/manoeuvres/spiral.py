@@ -26,6 +26,7 @@ LOOK_BACK: Final = 2.0  # [lengths run]
 STEADY: Final = 2e-3  # [-] of the yaw rate seen so far, by which it may change in LOOK_BACK
 NOTHING: Final = 1e-3  # [-] yaw rate times length over speed that counts as no turn
 FIRST: Final = "largest"  # mark of the turn that finds the largest yaw rate
+WAYS: Final = ("down", "up")  # of a direct spiral: from one side to the other, and back
 HELM: Final = 1.0  # [rad] of rudder per error of r L/U
 HELM_INTEGRAL: Final = 0.5  # [rad] the same, per length run
 
@@ -106,7 +107,7 @@ class Spiral(Manoeuvre):
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
     compared: ClassVar[tuple[str, ...]] = ()
-    shows: ClassVar[tuple[str, ...]] = ("r", "delta_r")
+    shows: ClassVar[tuple[str, ...]] = ("turns", "r", "delta_r")
 
     angle_deg: float = 15.0  # rudder, the largest
     side: Side = STARBOARD  # at first
@@ -115,7 +116,7 @@ class Spiral(Manoeuvre):
         """Yield the cycles of all steps."""
         conn.vehicle.keep("depth")
         most = [0.0]
-        for way, parts in (("down", PARTS), ("up", PARTS[::-1])):
+        for way, parts in zip(WAYS, (PARTS, PARTS[::-1]), strict=True):
             for share_of_it in parts:
                 angle = share_of_it * self.angle_deg
                 conn.order("rudder", SIGNS[self.side] * math.radians(angle))
@@ -125,7 +126,7 @@ class Spiral(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return yaw rate by rudder, and how far the two ways lie apart."""
         flight = flight.counted_to(self.side)
-        rates: dict[str, dict[str, float]] = {"down": {}, "up": {}}
+        rates: dict[str, dict[str, float]] = {way: {} for way in WAYS}
         for mark in flight.marks:
             way, angle = mark.name.split()
             rates[way][angle] = flight.at(mark.t, "r") or 0.0
@@ -144,7 +145,7 @@ class ReverseSpiral(Manoeuvre):
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
     compared: ClassVar[tuple[str, ...]] = ()
-    shows: ClassVar[tuple[str, ...]] = ("r", "delta_r")
+    shows: ClassVar[tuple[str, ...]] = ("turns", "r", "delta_r")
 
     angle_deg: float = 15.0  # rudder that finds the largest yaw rate
     side: Side = STARBOARD  # at first

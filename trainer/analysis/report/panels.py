@@ -1,6 +1,7 @@
 """The guide's charts as SVG. They are the programs' panels, drawn without any other library."""
 
 import math
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -22,6 +23,7 @@ SHAPES: Final = (  # about the point
     "m0-4l4 4l-4 4l-4-4z",
     "m-3-3l6 6m0-6l-6 6",
 )
+ONES: Final = (1, 2, 5)  # labels of a decade
 TRACK: Final = "track"
 DOWNWARDS: Final = "depth from the start"  # larger is lower
 WORDS: Final = {
@@ -68,6 +70,9 @@ def panels(shows: tuple[str, ...], flights: dict[str, Flight]) -> tuple[Panel, .
 
 def draw(panel: Panel) -> Markup:
     """Return a panel as an SVG element."""
+    if panel.decades:
+        logs = (replace(curve, x=np.log10(curve.x)) for curve in panel.curves)
+        panel = replace(panel, curves=tuple(logs))
     curves = [_finite(curve) for curve in panel.curves]
     xs = np.concatenate([x for x, _ in curves])
     ys = np.concatenate([y for _, y in curves])
@@ -140,13 +145,23 @@ def _grid(panel: Panel, across: Axis, up: Axis) -> list[str]:
         y = up.at(value)
         parts.append(rule("grid", LEFT, y, WIDTH - RIGHT, y))
         parts.append(text("tick end", LEFT - 5.0, y + 3.5, f"{value + 0.0:.6g}"))
-    for value in ticks(across.low, across.high, step_of(across.high - across.low, 7)):
+    for value, label in _along(panel, across):
         x = across.at(value)
         parts.append(rule("grid", x, TOP, x, HEIGHT - BOTTOM))
-        parts.append(text("tick middle", x, HEIGHT - BOTTOM + 14.0, f"{value + 0.0:.6g}"))
+        parts.append(text("tick middle", x, HEIGHT - BOTTOM + 14.0, label))
     parts.append(text("tick middle", 0.5 * (LEFT + WIDTH - RIGHT), HEIGHT - 8.0, panel.x))
     inside = [up.at(value) for value in panel.levels if up.low <= value <= up.high]
     return [*parts, *(rule("mark", LEFT, y, WIDTH - RIGHT, y) for y in inside)]
+
+
+def _along(panel: Panel, across: Axis) -> list[tuple[float, str]]:
+    """Return the places of labels along x: round numbers, or 1, 2 and 5 of each decade."""
+    if not panel.decades:
+        places = ticks(across.low, across.high, step_of(across.high - across.low, 7))
+        return [(value, f"{value + 0.0:.6g}") for value in places]
+    powers = range(math.floor(across.low), math.ceil(across.high) + 1)
+    round_ones = [(math.log10(m) + power, f"{m * 10.0**power:g}") for power in powers for m in ONES]
+    return [one for one in round_ones if across.low <= one[0] <= across.high]
 
 
 def _curve(curve: Curve, place: int, across: Axis, up: Axis) -> str:

@@ -4,6 +4,7 @@ Curves differ by line style as well as colour, and the colours are those of Okab
 so that a plot reads in grey and to the colour-blind. The same panels give the same bytes.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
@@ -15,6 +16,7 @@ from trainer.io.atomic_write import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 TRACK: Final = "track"  # title of a panel with one scale both ways
 DEPTHS: Final = frozenset({"z", "ordered_depth", "depth", "depth_m"})  # larger is lower
@@ -46,6 +48,7 @@ METADATA: Final[dict[str, dict[str, Any]]] = {
     ".pdf": {"CreationDate": None},
 }
 PANEL_WIDTH, PANEL_HEIGHT = 6.4, 3.0  # [in]
+SCREEN_WIDTH = 12.8  # [in] two panels beside each other
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,15 @@ class Panel:
     curves: tuple[Curve, ...]
     marks: tuple[tuple[str, float], ...] = ()  # label and place along x
     levels: tuple[float, ...] = ()  # places along y
+    decades: bool = False  # x by its logarithm
+
+
+@dataclass(frozen=True)
+class Screen:
+    """Panels that are seen together, on one screen or page."""
+
+    title: str
+    panels: tuple[Panel, ...]
 
 
 @dataclass(frozen=True)
@@ -95,33 +107,58 @@ def _check_form(path: Path) -> None:
         raise ConfigError(f"--plot {path}: must end in {', '.join(FORMS[:-1])} or {FORMS[-1]}")
 
 
-def draw(panels: tuple[Panel | Bars, ...], path: Path) -> None:
-    """Write ``panels``, one below the other, to ``path``; ConfigError if that cannot be."""
+def draw(panels: Sequence[Panel | Bars | Screen], path: Path) -> None:
+    """Write ``panels``, one below the other, to ``path``; ConfigError if that cannot be.
+
+    Screens are two panels wide, in a PDF each on a page of its own.
+    """
     _check_form(path)
     try:
         from matplotlib import rc_context  # noqa: PLC0415
-        from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
-        from matplotlib.figure import Figure  # noqa: PLC0415
+        from matplotlib.backends.backend_pdf import PdfPages  # noqa: PLC0415
     except ImportError as missing:
         raise ConfigError(
             f"--plot needs matplotlib, which cannot be loaded ({missing}); install it with: "
             "pip install 'submarine-trainer[plot]'"
         ) from missing
+    metadata = METADATA[path.suffix.lower()]
+    screens = [each for each in panels if isinstance(each, Screen)]
     with rc_context(STYLE):
-        size = (PANEL_WIDTH, PANEL_HEIGHT * len(panels))
-        figure = Figure(figsize=size, layout="constrained")
-        FigureCanvasAgg(figure)
-        for i, panel in enumerate(panels):
-            axes = figure.add_subplot(len(panels), 1, i + 1)
+        try:
+            with replacing(path) as made:
+                if not screens or path.suffix.lower() != ".pdf":
+                    figure_of(panels).savefig(made, metadata=metadata)
+                    return
+                with PdfPages(made, metadata=metadata) as pages:
+                    for screen in screens:
+                        pages.savefig(figure_of([screen]))
+        except OSError as error:
+            raise ConfigError(f"--plot {path}: cannot be written: {error.strerror}") from error
+
+
+def figure_of(panels: Sequence[Panel | Bars | Screen]) -> "Figure":
+    """Return a figure of matplotlib: panels one below the other, those of screens in pairs."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
+    from matplotlib.figure import Figure  # noqa: PLC0415
+
+    rows: list[tuple[Panel | Bars, ...]] = []
+    for each in panels:
+        if isinstance(each, Screen):
+            rows += [each.panels[i : i + 2] for i in range(0, len(each.panels), 2)]
+        else:
+            rows.append((each,))
+    wide = 2 if any(isinstance(each, Screen) for each in panels) else 1
+    size = (SCREEN_WIDTH if wide == 2 else PANEL_WIDTH, PANEL_HEIGHT * len(rows))
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    for i, row in enumerate(rows):
+        for j, panel in enumerate(row):
+            axes = figure.add_subplot(len(rows), wide, i * wide + j + 1)
             if isinstance(panel, Bars):
                 _draw_bars(panel, axes)
             else:
                 _draw_panel(panel, axes)
-        try:
-            with replacing(path) as made:
-                figure.savefig(made, metadata=METADATA[path.suffix.lower()])
-        except OSError as error:
-            raise ConfigError(f"--plot {path}: cannot be written: {error.strerror}") from error
+    return figure
 
 
 def _draw_bars(panel: Bars, axes: "Axes") -> None:
@@ -155,6 +192,8 @@ def _draw_bars(panel: Bars, axes: "Axes") -> None:
 def _draw_panel(panel: Panel, axes: "Axes") -> None:
     """Draw one panel."""
     styles = zip(cycle(COLOURS), cycle(LINES), cycle(MARKERS))
+    if panel.decades:
+        axes.set_xscale("log")
     for curve, (colour, line, marker) in zip(panel.curves, styles, strict=False):
         how: dict[str, Any] = {"linestyle": line}
         if curve.points:

@@ -132,6 +132,26 @@ def advance(J: Entries, v: Entries, error: Entries, z: Entries, P: Entries) -> N
 
 
 @part
+def steady_step(J: Numbers, v: Numbers, error: Numbers, z: Numbers) -> None:
+    """Write the next state to ``z`` by the gain in the swept ``J``, covariance unchanged."""
+    states = J.shape[0] - error.size
+    for i in range(states):
+        total = v[i]
+        for c in range(error.size):
+            total += J[i, states + c] * error[c]
+        z[i] = total
+
+
+@part
+def all_there(there: Mask) -> bool:
+    """Return whether no reading is missing."""
+    missing = 0
+    for c in range(there.size):
+        missing += not there[c]
+    return missing == 0
+
+
+@part
 def has_settled(J: Numbers, P: Numbers) -> bool:
     """Return whether the covariance in the swept ``J`` is that in ``P``."""
     for i in range(P.shape[0]):

@@ -10,9 +10,8 @@ import math
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.blocks import clear, put, put_block
 from trainer.identify.kernels.covariance_filter import Places, has_settled, predict, run_length
-from trainer.identify.kernels.kernel import kernel, lean, part
+from trainer.identify.kernels.kernel import clear, kernel, lean, part, put, put_block
 
 
 @part

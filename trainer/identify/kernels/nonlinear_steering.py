@@ -1,7 +1,7 @@
 """Steering with a bent spiral curve (MI 12).
 
-T1 T2 r'' + (T1 + T2) r' + H(r) = K (delta + T3 delta'), H(r) = r - kappa K |r| r. Numbers are
-complex, so that an imaginary step carries a derivative.
+T1 T2 r'' + (T1 + T2) r' + K H(r) = K (delta + T3 delta'), H(r) = H1 r + H2 |r| r + H3 r^3. Numbers
+are complex, so that an imaginary step carries a derivative.
 """
 
 import numpy as np
@@ -14,11 +14,14 @@ from trainer.identify.kernels.ship_models import magnitude
 
 @kernel
 def bent_rates(ship: Complexes, delta: float, s: Complexes, out: Complexes) -> None:
-    """Write d(z, r, psi)/dt; ``ship`` is K, T1, T2, T3, kappa, residual helm, SI."""
-    K, T1, T2, T3, kappa = ship[0], ship[1], ship[2], ship[3], ship[4]
+    """Write d(z, r, psi)/dt.
+
+    ``ship`` is K, T1, T2, T3, H1, H2, H3, residual helm, SI.
+    """
+    K, T1, T2, T3 = ship[0], ship[1], ship[2], ship[3]
     r = s[1]
-    helm = delta - ship[5]
-    out[0] = K * helm - r + kappa * K * magnitude(r) * r
+    helm = delta - ship[7]
+    out[0] = K * (helm - r * (ship[4] + ship[5] * magnitude(r) + ship[6] * r * r))
     out[1] = (s[0] - (T1 + T2) * r + K * T3 * helm) / (T1 * T2)
     out[2] = r
 

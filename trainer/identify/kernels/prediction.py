@@ -143,11 +143,6 @@ def _look_ahead(
         sums[0] += determinant + square(J, error)
         sums[1] += count
         added += 1
-        if count == readings:
-            sums[2] += 1.0
-            for c in range(readings):
-                for d in range(readings):
-                    sums[3 + c * readings + d] += error[c] * error[d]
     return added
 
 
@@ -162,8 +157,7 @@ def multi_step(
 ) -> int:
     """Return how many predictions of ``steps`` samples count, -1 on failure (MI 6.4).
 
-    ``system`` is mean and noise. ``sums`` (3 + y*y,) gets log det R + error' R^-1 error, readings,
-    whole samples, and the pooled error error'.
+    ``system`` is mean and noise. ``sums`` (2,) gets log det R + error' R^-1 error, and readings.
     """
     mean, noise = system
     rows, columns, states = mean.shape[1], mean.shape[2], start.shape[0]

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.blocks import clear, put_block
-from trainer.identify.kernels.kernel import Entries, kernel, lean, part
+from trainer.identify.kernels.kernel import Entries, clear, kernel, lean, part, put_block
 
 Complexes = NDArray[np.complex128]
 Room = tuple[Entries, Entries]  # scratch for rows of [A B f], and for squares

@@ -1,4 +1,4 @@
-"""The filter shown sample by sample, with outliers kept out (MI 6.5)."""
+"""The filter shown sample by sample, outliers kept out (MI 6.5), and the model alone."""
 
 import math
 
@@ -14,7 +14,7 @@ from trainer.identify.kernels.covariance_filter import (
     residual,
     square,
 )
-from trainer.identify.kernels.kernel import kernel
+from trainer.identify.kernels.kernel import kernel, put
 
 COUNTED, MISSING, REJECTED, SINGULAR = 0.0, 1.0, 2.0, 3.0
 
@@ -67,3 +67,26 @@ def show(
         advance(J, v, error, z, P)
         shown[k, rows + readings] = size
         shown[k, rows + readings + 1] = flag
+
+
+@kernel
+def simulate(
+    mean: Numbers, first: Numbers, inputs: Numbers, which: Places, noise: Numbers, out: Numbers
+) -> None:
+    """Write states and readings (n, x+y) to ``out``.
+
+    ``first`` (x,), ``inputs`` (n, 2u) old and new, ``noise`` (n, x+y) of the next state and of the
+    reading. The state in ``out`` is that at the sample.
+    """
+    rows, columns = mean.shape[1:]
+    states = first.size
+    z, v = np.ones(columns), np.empty(rows)
+    put(first, 0, z)
+    for k in range(which.size):
+        put(inputs[k], states, z)
+        predict(mean[which[k]], z, v)
+        for i in range(states):
+            out[k, i] = z[i]
+            z[i] = v[i] + noise[k, i]
+        for i in range(states, rows):
+            out[k, i] = v[i] + noise[k, i]

@@ -1,8 +1,8 @@
-"""The slopes of the filter's errors and covariances by the parameters: the information.
+"""The slopes of the filter's errors and covariances by the parameters: gradient and information.
 
 MI 8.1. Parameters are the last, contiguous index. Each sample gives rows: the standardised
 derivatives of the error, and of its covariance. The sum of their inner products is the expected
-information.
+information; with the error and its square they make the gradient of -log L.
 """
 
 import math
@@ -10,19 +10,19 @@ import math
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.adjoint import all_there, steady_step
-from trainer.identify.kernels.blocks import put, put_block
 from trainer.identify.kernels.covariance_filter import (
     Mask,
     Places,
     advance,
+    all_there,
     condition,
     has_settled,
     joint,
     predict,
     residual,
+    steady_step,
 )
-from trainer.identify.kernels.kernel import kernel, lean, part
+from trainer.identify.kernels.kernel import clear, kernel, lean, part, put, put_block
 
 SETTLED = 1e-20  # [-] square of the relative change of a derivative of P
 
@@ -140,25 +140,45 @@ def _mean_slopes(mean: Numbers, slopes: Numbers, z: Numbers, dx: Numbers, out: N
     rows, count = out.shape
     for i in range(rows):
         for q in range(count):
-            out[i, q] = 0.0
+            out[i, q] = mean[i, 0] * dx[0, q]
+        for j in range(1, dx.shape[0]):
+            for q in range(count):
+                out[i, q] += mean[i, j] * dx[j, q]
         for j in range(z.size):
             for q in range(count):
                 out[i, q] += slopes[i, j, q] * z[j]
-        for j in range(dx.shape[0]):
-            for q in range(count):
-                out[i, q] += mean[i, j] * dx[j, q]
 
 
 @part
-def _standardise(U: Numbers, dv: Numbers, states: int, out: Numbers) -> None:
-    """Write U d(error) to ``out`` (y, p); the error is reading less prediction."""
+def _standardise(U: Numbers, error: Numbers, dv: Numbers, out: Numbers, squares: Numbers) -> float:
+    """Return error' R^-1 error, after writing U d(error) to ``out`` (y, p).
+
+    The error is reading less prediction. ``squares`` (y, 1+y) has U error first, and then gains
+    its product with itself.
+    """
     readings, count = out.shape
+    states, size = dv.shape[0] - readings, 0.0
     for i in range(readings):
+        squares[i, 0] = 0.0
         for q in range(count):
             out[i, q] = 0.0
         for j in range(i, readings):
+            squares[i, 0] += U[i, j] * error[j]
             for q in range(count):
                 out[i, q] -= U[i, j] * dv[states + j, q]
+        size += squares[i, 0] * squares[i, 0]
+    for i in range(readings):
+        for j in range(readings):
+            squares[i, 1 + j] += squares[i, 0] * squares[j, 0]
+    return size
+
+
+@part
+def _add_slope(rows: Numbers, weights: Numbers, slope: Numbers) -> None:
+    """Add the sum of ``rows`` (y, p), each by its weight in the first column, to ``slope``."""
+    for i in range(rows.shape[0]):
+        for q in range(rows.shape[1]):
+            slope[q] += weights[i, 0] * rows[i, q]
 
 
 @part
@@ -175,21 +195,31 @@ def _next_slopes(J: Numbers, dJ: Numbers, error: Numbers, dv: Numbers, dx: Numbe
 
 
 @part
-def _covariance_rows(U: Numbers, dJ: Numbers, samples: float, out: Numbers) -> None:
-    """Write U dR U' sqrt(samples/2) to ``out`` (y*y, p)."""
+def _close_stage(
+    U: Numbers, dJ: Numbers, counted: int, squares: Numbers, rows: Numbers, slope: Numbers
+) -> None:
+    """Write U dR U' sqrt(samples/2) of a stage to ``rows`` (y*y, p), its part to ``slope``.
+
+    ``squares`` has the sum of U error error' U' over its samples, and is cleared.
+    """
     readings, count = U.shape[0], dJ.shape[2]
     states = dJ.shape[0] - readings
-    weight = math.sqrt(0.5 * samples)
+    weight = math.sqrt(0.5 * counted)
     for i in range(readings):
         for j in range(readings):
             place = i * readings + j
             for q in range(count):
-                out[place, q] = 0.0
+                rows[place, q] = 0.0
             for k in range(i, readings):
                 for m in range(j, readings):
                     factor = weight * U[i, k] * U[j, m]
                     for q in range(count):
-                        out[place, q] += factor * dJ[states + k, states + m, q]
+                        rows[place, q] += factor * dJ[states + k, states + m, q]
+            left = (counted if i == j else 0.0) - squares[i, 1 + j]
+            left *= 0.5 / weight
+            for q in range(count):
+                slope[q] += left * rows[place, q]
+            squares[i, 1 + j] = 0.0
 
 
 @lean
@@ -198,19 +228,19 @@ def _rows(
     samples: tuple[Numbers, Places],
     now: tuple[Numbers, Numbers, Numbers, Numbers],
     work: tuple[tuple[Numbers, ...], tuple[Numbers, ...], Mask],
-    errors: Numbers,
-    covariances: Numbers,
-) -> int:
-    """Return and write as ``information_rows`` does.
+    out: tuple[Numbers, Numbers, Numbers],
+) -> tuple[int, float]:
+    """Return and write as ``score_rows`` does.
 
     ``now`` has state, covariance and their slopes at the start.
     """
     mean, noise, d_mean, d_noise = system
     table, which = samples
     z, P, dx, dP = now
-    (half, v, error, U, J), (dJ, d_half, dv, lines), there = work
+    (half, v, error, U, J, squares), (dJ, d_half, dv, lines), there = work
+    errors, covariances, slope = out
     rows, states, readings = v.size, P.shape[0], error.size
-    stages, counted, constant = 0, 0, False
+    stages, counted, constant, cost, determinant = 0, 0, False, 0.0, 0.0
     for k in range(table.shape[0]):
         W, dW = mean[which[k]], d_mean[which[k]]
         put(table[k, readings:], states, z)
@@ -220,49 +250,50 @@ def _rows(
         constant = constant and all_there(there) and which[k] == which[k - 1]
         if not constant:
             if stages > 0:
-                _covariance_rows(U, dJ, float(counted), covariances[stages - 1])
+                _close_stage(U, dJ, counted, squares, covariances[stages - 1], slope)
             stages, counted = stages + 1, 0
             joint(W, noise[which[k]], P, half, J)
             for i in range(rows):
                 put_block(d_noise[which[k], i], 0, dJ[i])
             _half_slopes(W, dW, P, dP, d_half)
             _joint_slopes(W, d_half, dJ)
-            if math.isnan(condition(J, error, there)):
-                return 0
+            determinant = condition(J, error, there)
+            if math.isnan(determinant):
+                return 0, determinant
             _root(J, readings, U)
             moved = _condition(J, dJ, lines, dP)
             constant = all_there(there) and has_settled(J, P) and moved < SETTLED
             _gain_slopes(J, dJ, states, lines)
-        _standardise(U, dv, states, errors[k])
+        cost += determinant + _standardise(U, error, dv, errors[k], squares)
+        _add_slope(errors[k], squares, slope)
         _next_slopes(J, dJ, error, dv, dx)
         if constant:
             steady_step(J, v, error, z)
         else:
             advance(J, v, error, z, P)
         counted += 1
-    _covariance_rows(U, dJ, float(counted), covariances[stages - 1])
-    return stages
+    _close_stage(U, dJ, counted, squares, covariances[stages - 1], slope)
+    return stages, 0.5 * cost
 
 
 @kernel
-def information_rows(
+def score_rows(
     system: tuple[Numbers, Numbers, Numbers],
     slopes: tuple[Numbers, Numbers, Numbers],
     table: Numbers,
     which: Places,
-    errors: Numbers,
-    covariances: Numbers,
-) -> int:
-    """Return how many stages there are, and write the rows of the information.
+    out: tuple[Numbers, Numbers, Numbers],
+) -> tuple[int, float]:
+    """Return the number of stages and -log L less its constant; write rows and gradient.
 
     0 if R is not positive definite. ``system`` is mean, noise and start; ``slopes`` are those of
-    the same, parameters last. ``errors`` (n, y, p) gets the standardised derivatives of each error,
-    ``covariances`` (n, y*y, p) those of each stage.
+    the same, parameters last. Of ``out`` errors (n, y, p) gets the standardised derivatives of each
+    error, covariances (n, y*y, p) those of each stage, and the last (p,) the gradient.
     """
     mean, noise, start = system
     d_mean, d_noise, d_start = slopes
     rows, columns = mean.shape[1:]
-    states, readings, count = start.shape[0], errors.shape[1], errors.shape[2]
+    states, readings, count = start.shape[0], out[0].shape[1], out[0].shape[2]
     z, P = np.ones(columns), np.empty((states, states))
     put(start[:, 0], 0, z)
     put_block(start[:, 1:], 0, P)
@@ -271,10 +302,10 @@ def information_rows(
     for i in range(states):
         put_block(d_start[i, 1:], 0, dP[i])
     half, v, error = np.empty((rows, states)), np.empty(rows), np.empty(readings)
-    plain = half, v, error, np.zeros((readings, readings)), np.empty((rows, rows))
+    U, squares = np.zeros((readings, readings)), np.zeros((readings, 1 + readings))
+    plain = half, v, error, U, np.empty((rows, rows)), squares
     d_half, lines = np.empty((rows, states, count)), np.empty((max(3, readings), count))
     sloped = np.empty((rows, rows, count)), d_half, np.empty((rows, count)), lines
     work = plain, sloped, np.empty(readings, np.bool_)
-    return _rows(
-        (mean, noise, d_mean, d_noise), (table, which), (z, P, dx, dP), work, errors, covariances
-    )
+    clear(out[2])
+    return _rows((mean, noise, d_mean, d_noise), (table, which), (z, P, dx, dP), work, out)

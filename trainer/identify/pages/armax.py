@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.analysis.report.plots import Panel
+from trainer.analysis.report.plots import Screen
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.files import ConfigError
 from trainer.identify.armax_orders import (
@@ -16,9 +16,9 @@ from trainer.identify.armax_orders import (
     try_orders,
     without_wind,
 )
-from trainer.identify.measurements import samples_of
+from trainer.identify.measurements import check_count, samples_of
 from trainer.identify.models import UNITS
-from trainer.identify.pages.identify import correlation_panels, residual_table
+from trainer.identify.pages.identify import correlation_panels, residual_table, screens_of
 from trainer.identify.residuals import Residuals, verdicts
 from trainer.identify.study import Study, observe
 
@@ -90,14 +90,16 @@ def carry_out(study: Study) -> tuple[Report, Orders]:
     how, dead = asked.remove or "mean", int(asked.dead_time or 0)
     if not samples.whole:
         raise ConfigError(f"{record.source}: ARMAX needs a record without missing values; cut it")
+    most, initial = int(asked.most or MOST), asked.initial != "no"
+    check_count(record, samples.counted, (4 if initial else 3) * most)
     y, u = remove_delay(
         detrend(samples.outputs[:, 0], how), detrend(samples.inputs[:, 0], how), dead
     )
     orders = try_orders(
         y,
         u,
-        int(asked.most or MOST),
-        initial=asked.initial != "no",
+        most,
+        initial=initial,
         lags=int(asked.lags or LAGS),
     )
     report = Report(
@@ -234,7 +236,6 @@ def _roots(roots: tuple[tuple[float, float], ...]) -> str:
     return ", ".join(texts) or "none"
 
 
-def panels(report: Report, orders: Orders) -> tuple[Panel, ...]:
+def screens(orders: Orders) -> tuple[Screen, ...]:
     """Return the correlations of the residuals of the order of least AIC."""
-    del report
-    return correlation_panels((orders.by_aic.residuals,))
+    return screens_of({"Correlations": correlation_panels((orders.by_aic.residuals,))})

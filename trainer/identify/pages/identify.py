@@ -1,22 +1,40 @@
-"""A fitted ship as a page for a terminal and as a plot."""
+"""A fitted ship as a page for a terminal, as plots, and as screens."""
 
-from typing import Final
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict
+from typing import Any, Final
 
 import numpy as np
+from markupsafe import Markup
 
-from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report import html
+from trainer.analysis.report.panels import draw, legend
+from trainer.analysis.report.plots import Curve, Panel, Screen
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
+from trainer.core.kernel import Numbers
 from trainer.identify.alternatives import Band, Rival, pulse_of, step_of
 from trainer.identify.models import UNITS
 from trainer.identify.nomoto import scale
-from trainer.identify.pages.results import Identified, Report, carry_out, errors_of
+from trainer.identify.nonlinear import predict
+from trainer.identify.outcome import LARGE, Matrices, errors_of
+from trainer.identify.pages.results import Direction, Estimate, Identified, Report, carry_out
 from trainer.identify.residuals import Residuals
 from trainer.identify.validation import alone
-from trainer.units import KNOT
+from trainer.units import DEGREE, KNOT
 
-__all__ = ["carry_out", "panels", "render"]
+__all__ = ["carry_out", "render", "screens", "sheet"]
 
 BAND: Final = 1.96  # standard deviations
+SHOWN: Final = 10  # outliers that a page lists
+MOST: Final = 4  # panels that a screen has
+MATRICES: Final = "Matrices"
+FREQUENCIES: Final = 80  # of a Bode figure
+BEND_UNITS: Final = {"T1": "s", "T2": "s", "T3": "s", "K": "1/s", "kappa": "s^2"} | {
+    "H1": "s",
+    "H2": "s^2",
+    "H3": "s^3",
+    "delta_0": "rad",
+}
 
 
 def render(report: Report) -> str:
@@ -25,17 +43,20 @@ def render(report: Report) -> str:
         f"IDENTIFICATION, model {report.model} (LISPID)",
         f"{INDENT}{cut(report.study, 70)}",
         f"{INDENT}{cut(report.source, 75)}",
-        f"{INDENT}{report.length_m:g} m, {report.speed_kn:.2f} kn; {_samples(report)}",
+        f"{INDENT}{_ship(report)}{_samples(report)}",
         f"{INDENT}" + ", ".join(f"{name} {value}" for name, value in report.settings.items()),
     ]
     if report.findings:
         lines += ["", f"{INDENT}The record:"]
         lines += [line for text in report.findings for line in wrap(f"- {text}")]
     lines += ["", *_parameter_table(report), "", *_ship_table(report)]
-    lines += ["", f"{INDENT}The ship is {report.stability}."]
+    what = "ship" if report.length_m else "system"
+    lines += ["", f"{INDENT}The {what} is {report.stability}."]
     if report.derivatives:
         lines += ["", *_derivative_table(report)]
     lines += ["", *_fit_lines(report)]
+    if report.runs:
+        lines += ["", *_run_table(report)]
     if report.rivals:
         lines += ["", *rival_table(report)]
     if report.residuals:
@@ -43,10 +64,83 @@ def render(report: Report) -> str:
         lines += [line for text in report.verdicts for line in wrap(f"- {text}")]
     if report.check is not None:
         lines += ["", *_check_lines(report)]
-    if report.bend is not None:
-        kappa, deviation = report.bend.ship.kappa, report.bend.deviation
-        lines += ["", f"{INDENT}Large manoeuvres: kappa {kappa:.5g} +- {deviation:.2g} s^2"]
+    lines += _bend_lines(report)
+    if report.terms:
+        lines += ["", *_term_table(report)]
+    lines += [line for each in report.matrices for line in ("", *_matrix_lines(each))]
     return "\n".join(lines)
+
+
+def _bend_lines(report: Report) -> list[str]:
+    """Return the kappa or H(r) of large manoeuvres, and the loop of an unstable ship."""
+    bend = report.bend
+    if bend is None:
+        return []
+    told = dict(zip(("H1", "H2", "H3"), bend.ship.curve, strict=True)) | vars(bend.ship)
+    rows = [
+        (name, BEND_UNITS[name], f"{told[name]:.5g}", f"{deviation:.2g}")
+        for name, deviation in bend.deviations.items()
+    ]
+    of = "helm" if bend.rate_0 is None else "yaw rate"
+    unit = "deg" if bend.rate_0 is None else "deg/s"
+    lines = ["", f"{INDENT}{cut(bend.source, 75)}", f"{INDENT}rms error of {of} ", ""]
+    lines[2] += f"{bend.rms / DEGREE:.4g} {unit}"
+    lines[3:] = table(("large\nmanoeuvres", "unit", "value", "std dev"), rows)
+    if bend.ship.loop is not None:
+        rate, fold, helm = (value / DEGREE for value in bend.ship.loop)
+        words = f"Loop: turns {rate:.3g} deg/s with no helm, to {fold:.3g} deg/s against {helm:.3g}"
+        lines += wrap(f"{words} deg of helm", INDENT)
+    return lines
+
+
+def _term_table(report: Report) -> list[str]:
+    """Return how large the terms of the equations of motion are."""
+    rows, before = [], ""
+    for one in report.terms:
+        first = "" if one.equation == before else one.equation
+        sizes = (f"{one.rms:.3g}", f"{one.largest:.3g}", f"{100.0 * one.share:.0f}")
+        rows.append((first, one.name, one.unit, *sizes))
+        before = one.equation
+    heads = ("contributions\nto the", "by", "unit", "rms", "largest", "% of\nall rms")
+    return table(heads, rows)
+
+
+def _matrix_lines(found: Matrices) -> list[str]:
+    """Return the matrices row by row."""
+    lines = [f"{INDENT}{MATRICES}, {found.of}; states {', '.join(found.states)}, SI; outputs "]
+    lines[0] += ", ".join(found.outputs)
+    for part in ("continuous", "sampled", "initial", "final"):
+        lines.append(f"{INDENT}{part}:")
+        for name, value in getattr(found, part).items():
+            rows = np.atleast_2d(value)
+            for i, row in enumerate(rows):
+                numbers = " ".join(f"{x:11.4g}" for x in row)
+                lines.append(f"{2 * INDENT}{name if i == 0 else '':10}{numbers}")
+    return lines
+
+
+def _ship(report: Report) -> str:
+    """Return length and speed, nothing of a user's own system."""
+    if report.length_m is None or report.speed_kn is None:
+        return ""
+    speed = "" if report.runs else f", {report.speed_kn:.2f} kn"
+    return f"{report.length_m:g} m{speed}; "
+
+
+def _run_table(report: Report) -> list[str]:
+    """Return how well the model follows each run."""
+    rows = []
+    for number, run in enumerate(report.runs, 1):
+        speed = "-" if run.speed_kn is None else f"{run.speed_kn:.2f}"
+        first = (f"{number} {cut(run.source.rpartition('/')[2], 18)}", speed, str(run.samples))
+        each = zip(report.outputs, report.units, run.rms, run.alone, run.explained, strict=True)
+        for name, unit, rms, alone_rms, explained in each:
+            numbers = (f"{rms:.4g}", f"{alone_rms:.4g}", f"{100.0 * explained:.1f}")
+            rows.append((*first, name, unit, *numbers))
+            first = ("", "", "")
+    ahead, left = "rms error\none ahead", "\nalone"
+    heads = ("run", "kn", "samples", "output", "unit", ahead, left, "% variance\nexplained")
+    return table(heads, rows)
 
 
 def _samples(report: Report) -> str:
@@ -56,25 +150,35 @@ def _samples(report: Report) -> str:
 
 def _parameter_table(report: Report) -> list[str]:
     rows = [
-        (one.name, one.unit, f"{one.value:.5g}", figure(one.deviation, ".2g"))
+        (one.name, one.unit, f"{one.value:.5g}", figure(one.deviation, ".2g"), *_span(one))
         for one in report.parameters
     ]
-    return table(("parameter", "unit", "estimate", "std dev"), rows)
+    heads = ("parameter", "unit", "estimate", "std dev", "95 %\nfrom", "\nto")
+    return table(heads, rows)
+
+
+def _span(one: Estimate) -> tuple[str, str]:
+    """Return the ends of an interval."""
+    return figure(one.low, ".4g"), figure(one.high, ".4g")
 
 
 def _ship_table(report: Report) -> list[str]:
     """Return gains and time constants in SI, prime and bis units."""
-    units = [scale(name, report.length_m, report.speed_kn * KNOT) for name in ("prime", "bis")]
-    rows = []
+    units, rows = [], []
+    if report.length_m is not None and report.speed_kn is not None:
+        speed = report.speed_kn * KNOT
+        units = [scale(name, report.length_m, speed) for name in ("prime", "bis")]
     for one in report.ship:
         sizes = [
-            {"s": x.time, "s^2": x.time**2, "1/s": 1.0 / x.time, "m/s": x.speed} for x in units
+            {"s": x.time, "s^2": x.time**2, "1/s": 1.0 / x.time, "m/s": x.speed, "m": x.length}
+            for x in units
         ]
         others = [f"{one.value / size[one.unit]:.4g}" for size in sizes]
-        known = [figure(x, form) for x, form in ((one.deviation, ".2g"), (one.low, ".4g"))]
-        known.append(figure(one.high, ".4g"))
-        rows.append((one.name, one.unit, f"{one.value:.5g}", *known, *others))
-    heads = ("ship", "unit", "value", "std dev", "95 %\nfrom", "\nto", "prime", "bis")
+        known = (f"{one.value:.5g}", figure(one.deviation, ".2g"), *_span(one))
+        rows.append((one.name, one.unit, *known, *others))
+    what = "ship" if units else "system"
+    shown = ("prime", "bis")[: len(units)]
+    heads = (what, "unit", "value", "std dev", "95 %\nfrom", "\nto", *shown)
     return table(heads, rows)
 
 
@@ -89,19 +193,35 @@ def _derivative_table(report: Report) -> list[str]:
 
 
 def _fit_lines(report: Report) -> list[str]:
-    state = f"settled in {report.steps} steps" if report.converged else "DID NOT SETTLE"
+    state = f"Fit settled in {report.steps} steps"
+    state = state if report.converged else "Fit DID NOT SETTLE"
+    if report.simulated:
+        state = "Nothing was estimated"
     lines = wrap(report.doubt, INDENT, 2 * INDENT) if report.doubt else []
     lines += [
-        f"{INDENT}Fit {state}: log L {report.log_likelihood:.4f}, AIC {report.aic:.2f}",
+        f"{INDENT}{state}: log L {report.log_likelihood:.4f}, AIC {report.aic:.2f}",
         f"{INDENT}V1 {report.loss_1:.4f} one step ahead, {report.loss_1_alone:.4f} by rudder alone",
     ]
     if report.screened:
-        lines.append(f"{INDENT}{report.screened} samples were rejected as outliers")
+        lines += wrap(_outliers(report), INDENT, 2 * INDENT)
     weakest = ", ".join(report.weakest)
     lines += wrap(
         f"Known least: {weakest} (scaled eigenvalue {report.eigenvalue:.2g})", INDENT, 2 * INDENT
     )
     return lines
+
+
+def _outliers(report: Report) -> str:
+    """Return which samples were rejected, the first of many."""
+    several = bool(report.runs)
+    told = [
+        (f"run {one.run} " if several else "") + f"row {one.row} ({one.t_s:g} s)"
+        for one in report.screened[:SHOWN]
+    ]
+    more = len(report.screened) - len(told)
+    rest = f" and {more} more" if more else ""
+    verb = "was" if len(report.screened) == 1 else "were"
+    return f"{len(report.screened)} {verb} rejected as outliers: {', '.join(told)}{rest}"
 
 
 def rival_table(report: Report) -> list[str]:
@@ -145,9 +265,15 @@ def _check_lines(report: Report) -> list[str]:
     if check is None:
         return []
     rows = [
-        (name, UNITS[name][0], f"{rms:.4g}", *(f"{100.0 * one:.1f}" for one in shares))
-        for name, rms, *shares in zip(
-            check.outputs, check.rms, check.share, check.own, check.explained, strict=True
+        (name, unit, f"{rms:.4g}", *(f"{100.0 * one:.1f}" for one in shares))
+        for name, unit, rms, *shares in zip(
+            check.outputs,
+            report.units,
+            check.rms,
+            check.share,
+            check.own,
+            check.explained,
+            strict=True,
         )
     ]
     shares = ("% of the\nmotion", "% where\nfitted", "% variance\nexplained")
@@ -155,36 +281,65 @@ def _check_lines(report: Report) -> list[str]:
     return [f"{INDENT}{cut(check.source, 75)}", *table(heads, rows)]
 
 
-def panels(identified: Identified) -> tuple[Panel, ...]:
-    """Return helm, outputs with predictions and bands, residuals, responses."""
+def screens(identified: Identified) -> tuple[Screen, ...]:
+    """Return all figures of a fit in groups, each for one screen."""
+    of = " deg" if identified.report.length_m else ""
+    asked = (f"step of 1{of}", step_of), (f"pulse of 1{of} s", pulse_of)
+    found: dict[str, Iterable[Panel]] = {"Record": _record(identified)}
+    for number in range(1, len(identified.report.runs)):
+        found[f"Run {number + 1}"] = _record(identified, number)
+    found["Residuals"] = _left(identified)
+    found["Correlations"] = correlation_panels(identified.report.residuals)
+    for title, shape in asked:
+        name = title.split()[0].capitalize()
+        found[name] = _responses(identified, title, shape(identified.fitted))
+    found |= {"Bode": _bode(identified), "Terms": _terms(identified)}
+    return screens_of(found | {"Large manoeuvre": _large(identified)})
+
+
+def screens_of(groups: Mapping[str, Iterable[Panel]]) -> tuple[Screen, ...]:
+    """Return groups of panels as screens, those of many panels as several."""
+    found = []
+    for title, group in groups.items():
+        panels = tuple(group)
+        pieces = [panels[i : i + MOST] for i in range(0, len(panels), MOST)]
+        names = [title] if len(pieces) == 1 else [f"{title} {i}" for i in range(1, len(pieces) + 1)]
+        found += [Screen(name, piece) for name, piece in zip(names, pieces, strict=True)]
+    return tuple(found)
+
+
+def _record(identified: Identified, number: int = 0) -> Iterator[Panel]:
+    """Yield what acts in a run, and outputs with predictions and, of the first run, bands."""
     fitted, report = identified.fitted, identified.report
-    samples, t = fitted.problem.samples, fitted.problem.samples.t
-    predicted = alone(fitted.problem, fitted.found.theta)
-    run = errors_of(fitted)
-    standard, others = run.standardised, identified.others.outputs
-    found = [
-        Panel(
-            "rudder, positive to port",
-            "time [s]",
-            "[deg]",
-            (Curve("rudder", t, samples.inputs[:, 0]),),
-        )
-    ]
+    problem, at = fitted.problem.runs[number]
+    run = errors_of(fitted, number) if number else identified.run
+    samples, t = problem.samples, problem.samples.t
+    predicted = alone(problem, fitted.found.theta[at])
+    for name, values in zip(report.inputs, samples.inputs.T, strict=True):
+        curve = (Curve(name, np.repeat(t, 2)[1:], np.repeat(values, 2)[:-1]),)  # held
+        if report.length_m:
+            yield Panel("rudder, positive to port", "time [s]", "[deg]", curve)
+        else:
+            yield Panel(name, "time [s]", "[-]", curve)
     for i, output in enumerate(report.outputs):
-        deviation = float(np.nanstd(run.errors[:, i]))
-        band = BAND * deviation
+        band = BAND * float(np.nanstd(run.errors[:, i]))
         curves = (
             Curve("measured", t, samples.outputs[:, i], points=True),
-            Curve("by rudder alone", t, predicted[:, i]),
-            *_edges(others, i),
+            Curve("by rudder alone" if report.length_m else "alone", t, predicted[:, i]),
+            *(() if number else _edges(identified.others.outputs, i)),
             Curve("one step ahead, +95 %", t, run.predictions[:, i] + band),
             Curve("one step ahead, -95 %", t, run.predictions[:, i] - band),
         )
-        found.append(Panel(output, "time [s]", f"[{UNITS[output][0]}]", curves))
+        yield Panel(output, "time [s]", f"[{report.units[i]}]", curves)
+
+
+def _left(identified: Identified) -> Iterator[Panel]:
+    """Yield the residuals of each output."""
+    t, standard = identified.fitted.problem.samples.t, identified.run.standardised
+    for i, output in enumerate(identified.report.outputs):
         left = (Curve("residual", t, standard[:, i]),)
         title = f"residuals of {output}"
-        found.append(Panel(title, "time [s]", "[std dev]", left, levels=(-BAND, 0.0, BAND)))
-    return (*found, *_responses(identified), *correlation_panels(report.residuals))
+        yield Panel(title, "time [s]", "[std dev]", left, levels=(-BAND, 0.0, BAND))
 
 
 def _edges(band: Band, output: int) -> tuple[Curve, ...]:
@@ -193,25 +348,76 @@ def _edges(band: Band, output: int) -> tuple[Curve, ...]:
     return (Curve("allowed, lowest", band.t, low), Curve("allowed, highest", band.t, high))
 
 
-def _responses(identified: Identified) -> tuple[Panel, ...]:
-    """Return the answers to a step and to a pulse of the rudder, of all ships allowed."""
-    fitted, others = identified.fitted, identified.others
-    found = []
+def _responses(identified: Identified, title: str, shape: Numbers) -> Iterator[Panel]:
+    """Yield the answers of all ships allowed to a rudder, or to each input by itself."""
+    others, report = identified.others, identified.report
     lost = f" ({others.lost:.0%} of the draws are no model)" if others.lost else ""
-    asked = ("step of 1 deg", step_of(fitted)), ("pulse of 1 deg s", pulse_of(fitted))
-    for title, rudder in asked:
-        band = others.response(rudder)
-        for i, output in enumerate(identified.report.outputs):
+    for k, name in enumerate(report.inputs):
+        inputs = np.zeros((len(shape), len(report.inputs)))
+        inputs[:, k] = shape
+        band = others.response(inputs)
+        of = "" if report.length_m else f" of {name}"
+        for i, output in enumerate(report.outputs):
             middle = Curve("middle", band.t, band.middle[:, i])
             curves = (middle, *_edges(band, i))
-            unit = f"[{UNITS[output][0]}]"
-            found.append(Panel(f"{output} by a {title}{lost}", "time [s]", unit, curves))
-    return tuple(found)
+            panel = f"{output} by a {title}{of}{lost}"
+            yield Panel(panel, "time [s]", f"[{report.units[i]}]", curves)
+
+
+def _bode(identified: Identified) -> Iterator[Panel]:
+    """Yield gain and phase of each output by a rudder to starboard, from end to end of the record.
+
+    From one period of its length to two samples a period.
+    """
+    if identified.report.length_m is None:
+        return
+    samples, period = identified.fitted.problem.samples, identified.fitted.problem.plant.period
+    ends = 2.0 * np.pi / (samples.t[-1] - samples.t[0]), np.pi / period
+    outputs, gain, phase = identified.others.bode(np.geomspace(*ends, FREQUENCIES))
+    for i, output in enumerate(outputs):
+        unit = f"({UNITS[output][0]})/deg".replace("(deg)", "deg").replace("(kn)", "kn")
+        for kind, band, y in (("gain", gain, f"[dB of {unit}]"), ("phase", phase, "[deg]")):
+            curves = (Curve("middle", band.t, band.middle[:, i]), *_edges(band, i))
+            title = f"rudder to {output}, {kind}"
+            yield Panel(title, "frequency [rad/s]", y, curves, decades=True)
+
+
+def _terms(identified: Identified) -> Iterator[Panel]:
+    """Yield the terms of each equation of motion over its record."""
+    t, turned = identified.fitted.problem.samples.t, identified.turned
+    for equation, unit in dict.fromkeys((key[0], key[2]) for key in identified.terms):
+        parts = {key[1]: part for key, part in identified.terms.items() if key[0] == equation}
+        times = t if turned is None or equation != LARGE else turned.t
+        curves = tuple(Curve(name, times, part) for name, part in parts.items())
+        yield Panel(f"{equation}, by its terms", "time [s]", f"[{unit}]", curves)
+
+
+def _large(identified: Identified) -> Iterator[Panel]:
+    """Yield the helm of steady turns, and the yaw rate of a large manoeuvre."""
+    bend, turned = identified.report.bend, identified.turned
+    if bend is None or turned is None:
+        return
+    rate, rudder = turned.column("yaw_rate"), turned.column("rudder")
+    most = float(np.nanmax(np.abs(rate)))
+    across = np.linspace(-most, most, 101)
+    curves = [Curve("steady turn", bend.ship.helm(across) / DEGREE, across / DEGREE)]
+    if bend.rate_0 is None:
+        curves.append(Curve("measured", rudder / DEGREE, rate / DEGREE, points=True))
+    linear = bend.ship.K * (bend.ship.helm(across) - bend.ship.delta_0)
+    curves.append(Curve("linear", curves[0].x, linear / DEGREE))
+    yield Panel("steady turns", "rudder, positive to port [deg]", "yaw rate [deg/s]", tuple(curves))
+    if bend.rate_0 is not None:
+        run = predict(bend.ship, rudder, turned.interval, np.array([bend.rate_0, 0.0]))[:, 0]
+        both = (
+            Curve("measured", turned.t, rate / DEGREE, points=True),
+            Curve("by rudder alone", turned.t, run / DEGREE),
+        )
+        yield Panel("yaw rate of the large manoeuvre", "time [s]", "[deg/s]", both)
 
 
 def correlation_panels(residuals: tuple[Residuals, ...]) -> tuple[Panel, ...]:
-    """Return the residuals' own correlations and those with the rudder."""
-    found = []
+    """Return the residuals' own correlations, then those with the rudder."""
+    found, crossed = [], []
     for one in residuals:
         own = np.array(one.correlation)
         lags = np.arange(len(own), dtype=float)
@@ -223,5 +429,54 @@ def correlation_panels(residuals: tuple[Residuals, ...]) -> tuple[Panel, ...]:
         curve = (Curve(one.output, lags, cross, points=True),)
         title = f"rudder with the residuals of {one.output}"
         levels = (-one.cross_band, one.cross_band)
-        found.append(Panel(title, "lag [samples]", "[-]", curve, levels=levels))
-    return tuple(found)
+        crossed.append(Panel(title, "lag [samples]", "[-]", curve, levels=levels))
+    return (*found, *crossed)
+
+
+def sheet(title: str, text: str, screens: Iterable[Screen], report: Any) -> str:
+    """Return the page: ``text`` as the terminal has it, ``screens`` drawn, ``report`` as JSON.
+
+    It needs no other file. The same report gives the same bytes.
+    """
+    (heading, _, rest), listing = text.partition("\n"), Markup('<pre class="listing">{}</pre>\n')
+    rest, *matrices = rest.split(f"\n\n{INDENT}{MATRICES}, ")
+    parts = [("Numbers", listing.format(rest))]
+    for screen in screens:
+        drawn = html.charts(map(_figure, screen.panels))
+        rows = Markup('<div class="rows{}">{}</div>').format((len(screen.panels) + 1) // 2, drawn)
+        parts.append((screen.title, rows))
+    parts += [(f"{MATRICES} {i}", listing.format(words)) for i, words in enumerate(matrices, 1)]
+    directions = getattr(report, "eigenvalues", ())
+    if directions:
+        parts.append(("Known least", _directions(directions)))
+    return html.page(
+        "identified.html",
+        "guide.css",
+        title=title,
+        heading=heading,
+        screens=parts,
+        data=html.embed(asdict(report)),
+    )
+
+
+def _figure(panel: Panel) -> Markup:
+    """Return a panel with its title and what its curves mean."""
+    caption = Markup("<figcaption>{}</figcaption>").format(panel.title)
+    return Markup("<figure>{}{}{}</figure>").format(caption, draw(panel), legend(panel.curves))
+
+
+def _directions(directions: tuple[Direction, ...]) -> Markup:
+    """Return the eigenvalues of the second derivatives and what each is made of."""
+    rows = [(f"{one.eigenvalue:.3g}", _parts(one.parts)) for one in directions]
+    words = (
+        "Eigenvalues of the second derivatives of -log L, scaled to a unit diagonal, smallest "
+        "first. The record tells least of the combination of parameters beside a small one."
+    )
+    heads = ("eigenvalue", "parts of the unit vector")
+    return html.paragraph(words) + html.table(heads, rows, "facts")
+
+
+def _parts(parts: dict[str, float]) -> str:
+    """Return a direction in words, its largest part first."""
+    order = sorted(parts.items(), key=lambda part: -abs(part[1]))
+    return ", ".join(f"{name} {value:+.2f}" for name, value in order)

@@ -1,43 +1,48 @@
 """The answer of ``trainer identify`` about a model, as records for every output."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
+from trainer.core.kernel import Numbers
 from trainer.identify.alternatives import PAIRED, Allowed, Rival, draw_allowed, rivals_of
-from trainer.identify.derived import DERIVATIVES, QUANTITIES
-from trainer.identify.fitting import Fitted, fit, settings, table_of
-from trainer.identify.innovations import Shown, losses, no_limits, run_filter
+from trainer.identify.derived import DERIVATIVES, quantity_units
+from trainer.identify.fitting import Fitted, fit, settings, simulate, table_of
+from trainer.identify.innovations import Shown, losses
+from trainer.identify.measurements import Record
+from trainer.identify.minimise import Found
 from trainer.identify.nonlinear import Bend
-from trainer.identify.prediction_error import Innovations, MultiStep
+from trainer.identify.outcome import (
+    Matrices,
+    Series,
+    Term,
+    bent_terms,
+    errors_of,
+    matrices_of,
+    sizes_of,
+    terms_of,
+)
+from trainer.identify.prediction_error import MultiStep
+from trainer.identify.problem import Problem
 from trainer.identify.residuals import Residuals, aic_of_likelihood, examine_residuals, verdicts
-from trainer.identify.study import Study, observe
+from trainer.identify.study import Observed, Study, observe, studies_of
 from trainer.identify.study_records import Ship
-from trainer.identify.validation import Check, bend_of, check_of, loss_alone
+from trainer.identify.uncertainty import intervals
+from trainer.identify.validation import Check, alone, bend_of, check_of, loss_alone
 from trainer.units import KNOT
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """One number and its standard deviation, None where the record does not tell."""
+    """One number, its standard deviation and its 95 % interval.
 
-    name: str
-    unit: str
-    value: float
-    deviation: float | None
-
-
-@dataclass(frozen=True)
-class ShipNumber:
-    """A gain or time constant, its standard deviation, and its 95 % interval by draws.
-
-    None where the record does not tell. Where the two differ the interval is right: the number
-    bends with the parameters.
+    None where the record does not tell. Where the two differ the interval is right.
     """
 
     name: str
@@ -46,6 +51,10 @@ class ShipNumber:
     deviation: float | None
     low: float | None
     high: float | None
+
+
+class ShipNumber(Estimate):
+    """A gain or time constant, its interval by draws: it bends with the parameters."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +84,27 @@ class Direction:
 
 
 @dataclass(frozen=True)
+class Outlier:
+    """A sample that was rejected."""
+
+    run: int  # from 1 on
+    row: int
+    t_s: float
+
+
+@dataclass(frozen=True)
+class RunNumbers:
+    """How well the model follows one of several runs."""
+
+    source: str
+    speed_kn: float | None
+    samples: int
+    rms: tuple[float, ...]  # of each output's error one step ahead
+    alone: tuple[float, ...]  # by the inputs alone
+    explained: tuple[float, ...]  # [-] of the output's variance, by the inputs alone
+
+
+@dataclass(frozen=True)
 class Report:
     """All that ``trainer identify`` says about a model."""
 
@@ -82,9 +112,11 @@ class Report:
     source: str
     model: str
     settings: dict[str, Any]
-    length_m: float
-    speed_kn: float
+    length_m: float | None
+    speed_kn: float | None
+    inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+    units: tuple[str, ...]
     samples: int
     interval_s: float
     findings: tuple[str, ...]
@@ -95,7 +127,8 @@ class Report:
     aic: float
     loss_1: float  # V1 of the one-step errors
     loss_1_alone: float  # V1 of the model by rudder alone
-    screened: int
+    simulated: bool  # nothing was estimated
+    screened: tuple[Outlier, ...]
     parameters: tuple[Estimate, ...]
     ship: tuple[ShipNumber, ...]
     monte_carlo: MonteCarlo
@@ -110,6 +143,9 @@ class Report:
     rivals: tuple[Rival, ...] = ()
     check: Check | None = None
     bend: Bend | None = None
+    terms: tuple[Term, ...] = ()
+    runs: tuple[RunNumbers, ...] = ()
+    matrices: tuple[Matrices, ...] = ()
 
 
 LAGS: Final = 10
@@ -117,11 +153,21 @@ LAGS: Final = 10
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """A study carried out: the fit, its results, and the ships that the record allows."""
+    """A study carried out: the fit, its results, and the ships that the record allows.
+
+    ``run`` is the predictor's over the record, ``terms`` by sample, ``turned`` the record or the
+    turns that kappa or H(r) is of.
+    """
 
     fitted: Fitted
     report: Report
     others: Allowed
+    run: Shown
+    terms: Series
+    turned: Record | None = None
+
+
+BENDS: Final = ("kappa", "bech", "spiral")  # options, each with a record
 
 
 def carry_out(
@@ -129,56 +175,95 @@ def carry_out(
 ) -> Identified:
     """Return the fit of a study and its report; ConfigError for what cannot be.
 
-    ``options`` has other records to check it on and to find kappa from, a checkpoint, and what
-    simpler models to test it against.
+    ``options`` has other records to check it on and to find kappa or H(r) from, a checkpoint, what
+    simpler models to test it against, and whether its matrices are wanted.
     """
-    observed = observe(study)
+    bends = [kind for kind in BENDS if options[kind] is not None]
+    if len(bends) > 1:
+        raise ConfigError(f"--{bends[0]} and --{bends[1]}: one curve of steady turns, not two")
+    if options["joint"] and bends not in (["kappa"], ["bech"]):
+        raise ConfigError("--joint goes with --kappa or --bech and its record")
+    seen = [observe(one) for one in studies_of(study)]
+    findings = _findings(seen)
     try:
-        fitted = fit(
-            study,
-            observed.record,
-            lambda found: heard(found.steps, found.cost),
-            options["checkpoint"],
-        )
+        fitted = _fit(study, [one.record for one in seen], options, heard)
     except ConfigError as error:  # what is odd about the record may be why
-        source = observed.record.source
-        odd = (f"{source}: {finding}" for finding in observed.findings)
-        raise ConfigError(*error.problems, *odd) from None
-    others = draw_allowed(fitted)
-    report = report_of(fitted, tuple(map(str, observed.findings)), others)
-    tests = rivals_of(fitted, options["against"], options["without"])
-    report = replace(report, rivals=tests)
+        raise ConfigError(*error.problems, *findings) from None
+    odd = findings if len(seen) > 1 else [str(finding) for finding in seen[0].findings]
+    found = describe(fitted, tuple(odd))
+    more: dict[str, Any] = {"rivals": rivals_of(fitted, options["against"], options["without"])}
     if options["check"] is not None:
-        report = replace(report, check=check_of(fitted, options["check"]))
-    if options["kappa"] is not None:
-        report = replace(report, bend=bend_of(fitted, options["kappa"]))
-    return Identified(fitted, report, others)
+        more["check"] = check_of(fitted, options["check"])
+    if options["matrices"]:
+        more["matrices"] = matrices_of(fitted)
+    found = replace(found, report=replace(found.report, **more))
+    return bent(found, bends[0], options[bends[0]], joint=options["joint"]) if bends else found
 
 
-def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Report:
+def _findings(seen: Sequence[Observed]) -> list[str]:
+    """Return what is odd about records, and about which."""
+    return [f"{one.record.source}: {finding}" for one in seen for finding in one.findings]
+
+
+def _fit(
+    study: Study,
+    records: Sequence[Record],
+    options: dict[str, Any],
+    heard: Callable[[int, float], None],
+) -> Fitted:
+    """Return the fit that was asked for, or the model as it starts."""
+    record, *others = records
+    if options.get("simulate"):
+        return simulate(study, record, others)
+
+    def told(found: Found) -> None:
+        heard(found.steps, found.cost)
+
+    return fit(study, record, told, options["checkpoint"], others)
+
+
+def describe(fitted: Fitted, findings: tuple[str, ...] = ()) -> Identified:
+    """Return a fit with its report, and the ships that the record allows beside it."""
+    others, run = draw_allowed(fitted), errors_of(fitted)
+    terms = terms_of(fitted, run.states)
+    report = replace(report_of(fitted, findings, others, run), terms=sizes_of(terms))
+    return Identified(fitted, report, others, run, terms)
+
+
+def bent(found: Identified, kind: str, path: Path, *, joint: bool) -> Identified:
+    """Return what was identified with the kappa or the H(r) of another record."""
+    bend, record = bend_of(found.fitted, path, kind, joint=joint)
+    terms = found.terms | bent_terms(bend, record)
+    report = replace(found.report, bend=bend, terms=sizes_of(terms))
+    return replace(found, report=report, terms=terms, turned=record)
+
+
+def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: Shown) -> Report:
     """Return what a fit amounts to. ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
-    run = errors_of(fitted)
-    residuals = _residuals(fitted, run)
+    residuals, own = _residuals(fitted, run), plant.model.system
     return Report(
         study=study.heading.name,
         source=fitted.record.source,
         model=plant.model.name,
         settings=settings(table_of(study)),
-        length_m=plant.ship.length,
-        speed_kn=plant.ship.speed / KNOT,
+        length_m=None if own else plant.ship.length,
+        speed_kn=None if own else plant.ship.speed / KNOT,
+        inputs=own.inputs if own else ("rudder",),
         outputs=plant.outputs,
-        samples=problem.samples.counted,
+        units=tuple(map(plant.model.unit, plant.outputs)),
+        samples=problem.counted,
         interval_s=plant.period,
         findings=findings,
         converged=bool(fitted.found.converged),
         doubt=fitted.found.doubt,
         steps=fitted.found.steps,
         log_likelihood=fitted.log_likelihood,
-        aic=aic_of_likelihood(fitted.log_likelihood, len(problem.free)),
+        aic=aic_of_likelihood(fitted.log_likelihood, len(problem.names)),
         loss_1=losses(run).V1,
         loss_1_alone=loss_alone(fitted),
-        screened=fitted.rejected,
+        simulated=fitted.simulated,
+        screened=_outliers(fitted),
         parameters=_parameters(fitted),
         ship=_ship(fitted, others),
         monte_carlo=MonteCarlo(len(others.draws), others.paired),
@@ -188,6 +273,7 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Rep
         weakest=_weakest(fitted),
         eigenvalues=_directions(fitted),
         collapsed=problem.collapsed(fitted.found.theta),
+        runs=_runs(fitted) if fitted.others else (),
         residuals=residuals,
         verdicts=(
             *_doubts(fitted, others),
@@ -196,22 +282,29 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Rep
     )
 
 
-def errors_of(fitted: Fitted) -> Shown:
-    """Return the one-step errors of a fit, by the predictor that was fitted."""
-    cost, theta = fitted.cost, fitted.found.theta
-    run = run_filter(fitted.problem, theta, no_limits(len(fitted.problem.plant.outputs)))
-    if not isinstance(cost, Innovations):
-        return run
-    errors = cost.errors(theta)
-    whole = errors[~np.isnan(errors).any(axis=1)]
-    R = whole.T @ whole / len(whole)
-    return replace(
-        run,
-        predictions=fitted.problem.samples.outputs - errors,
-        errors=errors,
-        spreads=np.tile(R, (len(errors), 1, 1)),
-        squares=np.einsum("ki,ij,kj->k", errors, np.linalg.inv(R), errors),
+def _outliers(fitted: Fitted) -> tuple[Outlier, ...]:
+    """Return the samples that were rejected."""
+    records = (fitted.record, *fitted.others)
+    return tuple(
+        Outlier(run + 1, records[run].row(place), float(records[run].t[place]))
+        for run, place in fitted.rejected
     )
+
+
+def _runs(fitted: Fitted) -> tuple[RunNumbers, ...]:
+    """Return how well the model follows each of several runs."""
+    found = []
+    for number, (problem, at) in enumerate(fitted.problem.runs):
+        samples, plant = problem.samples, problem.plant
+        left = samples.outputs - alone(problem, fitted.found.theta[at])
+        errors, spread = errors_of(fitted, number).errors, np.nanstd(samples.outputs, axis=0)
+        rms = [np.sqrt(np.nanmean(one**2, axis=0)) for one in (errors, left)]
+        explained = 1.0 - (rms[1] / np.maximum(spread, 1e-300)) ** 2
+        numbers = (tuple(map(float, one)) for one in (*rms, explained))
+        speed = None if plant.model.system else plant.ship.speed / KNOT
+        record = (fitted.record, *fitted.others)[number]
+        found.append(RunNumbers(record.source, speed, samples.counted, *numbers))
+    return tuple(found)
 
 
 def _finite(value: float) -> float | None:
@@ -220,13 +313,13 @@ def _finite(value: float) -> float | None:
 
 def _parameters(fitted: Fitted) -> tuple[Estimate, ...]:
     """Return the estimated parameters, unscaled."""
-    parameters, problem = fitted.problem.plant.model.parameters, fitted.problem
-    numbers = zip(
-        problem.free, fitted.found.theta, fitted.known.deviations, problem.scale, strict=True
-    )
+    problem, theta, known = fitted.problem, fitted.found.theta, fitted.known.deviations
+    every = np.column_stack([theta, known, intervals(problem, theta, known)])
+    rows = zip(problem.estimated, problem.names, every * problem.scale[:, None], strict=True)
+    parameters = problem.plant.model.parameters
     return tuple(
-        Estimate(parameters[i].name, parameters[i].unit, float(x * by), _finite(s * by))
-        for i, x, s, by in numbers
+        Estimate(name, parameters[place].unit, float(value), *map(_finite, rest))
+        for (_, place), name, (value, *rest) in rows
     )
 
 
@@ -234,10 +327,11 @@ def _ship(fitted: Fitted, others: Allowed) -> tuple[ShipNumber, ...]:
     """Return gains and time constants that the model has, SI."""
     names, told = fitted.quantity_names, fitted.told
     rows = zip(names, told.values, told.deviations, *others.spans, strict=True)
+    units = quantity_units(fitted.problem.plant.model)
     return tuple(
-        ShipNumber(name, QUANTITIES[name], float(x), *map(_finite, (s, low, high)))
+        ShipNumber(name, units[name], float(x), *map(_finite, (s, low, high)))
         for name, x, s, low, high in rows
-        if name in QUANTITIES and x != 0.0 and math.isfinite(x)
+        if name not in DERIVATIVES and x != 0.0 and math.isfinite(x)
     )
 
 
@@ -324,14 +418,27 @@ def _weakest(fitted: Fitted) -> tuple[str, ...]:
 
 
 def _residuals(fitted: Fitted, run: Shown) -> tuple[Residuals, ...]:
-    """Return the examination of each output's residuals, as far as there are enough."""
-    rudder = fitted.problem.samples.inputs[:, 0]
-    lags = min(LAGS, (int(run.counted.sum()) - 2) // 2)
+    """Return the examination of each output's residuals, as far as there are enough.
+
+    Those of several runs follow each other, with a gap as long as the lags.
+    """
+    standard, acting = [run.standardised], [_first_input(fitted.problem)]
+    for number, (problem, _) in list(enumerate(fitted.problem.runs))[1:]:
+        standard += [np.full((LAGS, run.errors.shape[1]), np.nan)]
+        standard += [errors_of(fitted, number).standardised]
+        acting += [np.full(LAGS, acting[0].mean()), _first_input(problem)]
+    whole, rudder = np.concatenate(standard), np.concatenate(acting)
+    lags = min(LAGS, (int((~np.isnan(whole)).all(axis=1).sum()) - 2) // 2)
     if lags < 1:
         return ()
-    outputs, standard = enumerate(fitted.problem.plant.outputs), run.standardised
     return tuple(
-        examine_residuals(name, standard[:, i], rudder, lags)
-        for i, name in outputs
-        if np.count_nonzero(~np.isnan(standard[:, i])) >= 2 * lags + 2
+        examine_residuals(name, whole[:, i], rudder, lags)
+        for i, name in enumerate(fitted.problem.plant.outputs)
+        if np.count_nonzero(~np.isnan(whole[:, i])) >= 2 * lags + 2
     )
+
+
+def _first_input(problem: Problem) -> Numbers:
+    """Return what acts (n,), the first of several; zeros where nothing does."""
+    inputs = problem.samples.inputs
+    return inputs[:, 0] if inputs.shape[1] else np.zeros(len(inputs))

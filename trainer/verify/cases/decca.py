@@ -12,25 +12,18 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.decca import (
-    Point,
-    Slave,
-    along,
-    lane_at,
-    smooth_spencer,
-    sway_of_track,
-    track,
-)
+from trainer.identify.decca import Point, Slave, lane_at, track
 from trainer.identify.derived import nomoto_of
 from trainer.identify.estimate import estimate
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Samples
 from trainer.identify.minimise import Search
 from trainer.identify.problem import Problem
-from trainer.identify.reference_ships import SHIP_DERIVATIVES, TANKER, sequence
+from trainer.identify.track import along, smooth_spencer, sway_of_track
 from trainer.identify.uncertainty import beside_bounds, uncertainty
 from trainer.identify.validation import draw_outputs
 from trainer.units import KNOT
+from trainer.verify.cases.reference_ships import SHIP_DERIVATIVES, TANKER, sequence
 from trainer.verify.cases.ships import Figure
 
 CHAIN: Final = {"red": Slave(Point(-60e3, 20e3), 440.0), "green": Slave(Point(40e3, 70e3), 590.0)}

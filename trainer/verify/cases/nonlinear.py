@@ -14,11 +14,12 @@ from trainer.core.kernel import Numbers
 from trainer.identify.estimate import estimate
 from trainer.identify.measurements import Samples
 from trainer.identify.minimise import Search
+from trainer.identify.monte_carlo import Rehearsal
 from trainer.identify.prediction_error import Innovations, no_gain
 from trainer.identify.problem import Problem
-from trainer.identify.reference_ships import STATE, TANKER, TANKER_SHIP, Rehearsal
 from trainer.identify.sampled import aside
 from trainer.units import DEGREE, KNOT
+from trainer.verify.cases.reference_ships import STATE, TANKER, TANKER_SHIP
 from trainer.verify.cases.ships import Figure
 
 WEAKENED: Final = 4.0  # [-] N_v of |v|/V: at a drift of 0.1 the moment is 0.6 of the line's

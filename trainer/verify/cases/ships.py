@@ -22,24 +22,24 @@ from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Samples
 from trainer.identify.minimise import Search
 from trainer.identify.models import Ship
-from trainer.identify.monte_carlo import WIDTH, study
+from trainer.identify.monte_carlo import Rehearsal
 from trainer.identify.nonlinear import Bent
 from trainer.identify.prediction_error import Innovations, no_gain
 from trainer.identify.problem import Problem
-from trainer.identify.reference_ships import (
+from trainer.identify.uncertainty import beside_bounds, uncertainty
+from trainer.identify.validation import deterministic, draw_outputs
+from trainer.units import DEGREE, KNOT
+from trainer.verify.cases.reference_ships import (
     ISLAND,
     STATE,
     TANKER,
     TANKER_BEGIN,
     TANKER_RUDDER,
     TANKER_SHIP,
-    Rehearsal,
     sequence,
+    study,
     zigzag_rudder,
 )
-from trainer.identify.uncertainty import beside_bounds, uncertainty
-from trainer.identify.validation import deterministic, draw_outputs
-from trainer.units import DEGREE, KNOT
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -245,7 +245,8 @@ def sway_alone(records: int = SWAY_RECORDS) -> Iterator[Figure]:
         cost = Likelihood(problem.on(replace(samples, outputs=samples.outputs[:, :1])))
         theta = estimate(cost, problem.start, "auto", Search()).theta
         known = beside_bounds(uncertainty(problem.names, cost.information(theta)))
-        inside.append((np.abs(theta - problem.start) <= WIDTH * known.deviations)[:4])
+        low, high = uncertainty_module.intervals(problem, theta, known.deviations).T
+        inside.append(((low <= problem.start) & (problem.start <= high))[:4])
         draws = uncertainty_module.draw_parameters(
             theta, np.nan_to_num(known.covariance), uncertainty_module.DRAWS, seed
         )

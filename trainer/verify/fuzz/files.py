@@ -27,6 +27,7 @@ from trainer.identify.estimate import resume
 from trainer.identify.nomoto import load_nomoto
 from trainer.identify.sources import Column, load_record
 from trainer.identify.study import load_study
+from trainer.identify.system_files import load_system
 from trainer.verify.fuzz.lines import GRAMMAR
 from trainer.verify.fuzz.target import (
     TABLE,
@@ -74,6 +75,29 @@ T_s = 20.0
 rudder_limit_deg = 35
 rudder_rate_deg_s = 3
 step_s = 0.5
+"""
+SYSTEM: Final = b"""schema = "system/1"
+name = "A swing"
+inputs = ["fin"]
+outputs = ["roll"]
+A = [[0, 1], ["-w**2", "-2*z*(w + 0)"]]
+B = [[0], ["exp(w)/3"]]
+C = [[1, 0]]
+R2 = [["s"]]
+x0 = [0, "sqrt(s)"]
+
+[[parameters]]
+name = "w"
+start = 0.5
+
+[[parameters]]
+name = "z"
+start = 0.1
+free = false
+
+[[parameters]]
+name = "s"
+start = 1e-2
 """
 DECCA: Final = b"""schema = "decca/1"
 name = "A turn"
@@ -146,9 +170,9 @@ c = -0.004
 Loader = Callable[[Path], Any]
 FILE: Final = "proof.toml"
 COLUMNS: Final = {
-    "t": Column("t", 1.0),
-    "rudder": Column("rudder", 1.0),
-    "heading": Column("heading", 1.0),
+    "t": Column("t", "s"),
+    "rudder": Column("rudder", "rad"),
+    "heading": Column("heading", "rad"),
 }
 
 
@@ -303,6 +327,7 @@ TARGETS: Final = (
         lambda: [NOMOTO],
         spared=(),
     ),
+    Target("system", "matrices with expressions", load_proof(load_system), lambda: [SYSTEM], 512),
     Target("decca", "a chain of Decca stations", load_proof(load_decca), lambda: [DECCA], 512),
     Target(
         "lanes", "readings of Decca lanes, CSV", open_proof(lanes, "lanes.csv"), lambda: [READINGS]

@@ -2,21 +2,21 @@
 
 The ships are those of the report's sections 6 to 10 as its tables have them, bis system, the rudder
 positive to port. Where the tables' errors and disturbances are not legible they are of the size
-that makes the documented scatter.
+that makes the documented scatter. Many records of one ship count how often the truth is inside.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.measurements import Samples
-from trainer.identify.models import MODELS, Plant, Ship
-from trainer.identify.problem import Problem, problem_of
+from trainer.identify.models import Ship
+from trainer.identify.monte_carlo import Rehearsal, Run, one_run
+from trainer.identify.problem import Problem
 from trainer.units import DEGREE, KNOT
 
 SHIP_DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
@@ -24,39 +24,46 @@ STATE: Final = ("x1_0", "x2_0", "x3_0")
 
 
 @dataclass(frozen=True)
-class Rehearsal:
-    """A ship, its instruments, its true values, and an analyst's start.
+class Coverage:
+    """Many runs and the truth behind them."""
 
-    ``begin`` has the free parameters that do not start at the truth.
-    """
+    names: tuple[str, ...]
+    truth: Numbers  # (f,)
+    runs: tuple[Run, ...]
 
-    kind: str
-    ship: Ship
-    outputs: tuple[str, ...]
-    period: float  # [s]
-    truth: Mapping[str, float]
-    free: tuple[str, ...]
-    begin: Mapping[str, float]
+    @property
+    def estimates(self) -> Numbers:
+        """Return the estimates (runs, f)."""
+        return np.array([run.theta for run in self.runs])
 
-    def problem(self, rudder: Numbers, missing: float = 0.0) -> Problem:
-        """Return the problem at its truth, ``rudder`` (n,) [deg]; a share of readings missing."""
-        count = len(rudder)
-        outputs = np.zeros((count, len(self.outputs)))
-        outputs[np.random.default_rng(5).random(outputs.shape) < missing] = np.nan
-        t = np.arange(count, dtype=float) * self.period
-        samples = Samples(t, outputs, rudder[:, None])
-        model = MODELS[self.kind]
-        plant = Plant(model, self.ship, self.outputs, self.period)
-        return problem_of(plant, samples, model.vector(**self.truth), self.free)
+    @property
+    def deviations(self) -> Numbers:
+        """Return their standard deviations (runs, f)."""
+        return np.array([run.deviations for run in self.runs])
 
-    def start(self) -> Numbers:
-        """Return where the free parameters start (f,)."""
-        model = MODELS[self.kind]
-        return model.vector(**{**self.truth, **self.begin})[list(model.places(self.free))]
+    @property
+    def inside(self) -> Numbers:
+        """Return of each parameter the share of 95 % intervals that hold the truth (f,)."""
+        low, high = np.moveaxis(np.array([run.intervals for run in self.runs]), 2, 0)
+        return np.asarray(((low <= self.truth) & (self.truth <= high)).mean(axis=0))
 
-    def freed(self, *names: str, **truth: float) -> "Rehearsal":
-        """Return the rehearsal with more free parameters, at values ``truth``."""
-        return replace(self, free=(*self.free, *names), truth={**self.truth, **truth})
+    @property
+    def pooled(self) -> float:
+        """Return the share of all intervals that hold the truth."""
+        return float(self.inside.mean())
+
+    @property
+    def converged(self) -> float:
+        """Return the share of runs whose minimiser came to its end."""
+        return float(np.mean([run.converged for run in self.runs]))
+
+
+def study(
+    problem: Problem, truth: Numbers, seeds: range, each: Callable[[Iterator[Run]], Iterator[Run]]
+) -> Coverage:
+    """Return the runs of ``seeds``. ``each`` passes them on and may show how far it is."""
+    runs = each(one_run(problem, truth, seed) for seed in seeds)
+    return Coverage(problem.names, truth, tuple(runs))
 
 
 def sequence(count: int, bit: float, amplitude: float, period: float) -> Numbers:

@@ -1,0 +1,147 @@
+"""The Python face of fits: arrays, frames and files in; numbers, predictions and plots out."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.places import environment
+
+import trainer
+from trainer import identify
+from trainer.identify.experiment import hold_bits, prbs
+from trainer.identify.nomoto import load_nomoto
+
+pytest.importorskip("scipy")
+
+K, T, STEP = -0.05, 20.0, 2.0
+
+
+def motion(seed: int, count: int = 300) -> Any:
+    """Return time [s], rudder [rad] and yaw rate [rad/s] of a first-order ship, noisy."""
+    helm = np.radians(np.resize(hold_bits(prbs(5, seed), 5.0, 5), count))
+    rate, fade = np.zeros(count), np.exp(-STEP / T)
+    for i in range(count - 1):
+        rate[i + 1] = fade * rate[i] + (1.0 - fade) * K * helm[i]
+    noise = np.radians(0.01) * np.random.default_rng(seed).standard_normal(count)
+    return {"t": STEP * np.arange(count), "rudder": helm, "yaw_rate": rate + noise}
+
+
+def fitted(frame: Any, **keywords: Any) -> Any:
+    return identify.fit(frame, "nomoto1", length=120, speed=12, **keywords)
+
+
+@pytest.fixture(scope="module")
+def ship() -> Any:
+    return fitted(motion(1))
+
+
+def test_importing_it_costs_nothing_until_it_is_used() -> None:
+    code = (
+        "import sys, trainer.identify as i; assert 'numpy' not in sys.modules; "
+        "i.fit; assert 'numpy' in sys.modules"
+    )
+    done = subprocess.run([sys.executable, "-c", code], env=environment(), check=False)
+    assert done.returncode == 0
+    with pytest.raises(AttributeError, match="no attribute 'fitt'"):
+        identify.fitt  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_a_ship_is_found_from_arrays(ship: Any) -> None:
+    assert ship.converged
+    assert ship.doubt == ""
+    assert abs(ship.K - K) < 4.0 * ship.deviations["K"]
+    assert ship.parameters["T"] == ship.T1
+    assert ship.numbers["T1"].low < T < ship.numbers["T1"].high
+    names = list(ship.parameters)
+    assert ship.covariance.shape == (len(names), len(names))
+    assert ship.covariance[0, 0] == pytest.approx(ship.deviations["K"] ** 2)
+    assert "IDENTIFICATION, model nomoto1" in repr(ship)
+    with pytest.raises(AttributeError, match="this ship has no 'K_v'; it has K, T1"):
+        ship.K_v  # noqa: B018
+
+
+def test_columns_units_and_signs_may_be_one_s_own(ship: Any) -> None:
+    own = motion(1)
+    frame = {
+        "clock": own["t"] / 60.0,
+        "helm": -np.degrees(own["rudder"]),
+        "rate": np.degrees(own["yaw_rate"]),
+    }
+    found = fitted(
+        frame,
+        columns={"t": "clock", "rudder": "helm", "yaw_rate": "rate"},
+        units={"t": "min", "rudder": "deg", "yaw_rate": "deg/s"},
+        positive_rudder="starboard",
+    )
+    assert found.parameters == pytest.approx(ship.parameters, rel=1e-4)
+    predicted = found.predict(frame)["yaw_rate"]
+    assert predicted == pytest.approx(np.degrees(ship.predict(own)["yaw_rate"]), abs=1e-4)
+
+
+def test_a_frame_of_pandas_and_a_file_give_the_same_ship(ship: Any, tmp_path: Path) -> None:
+    pandas = pytest.importorskip("pandas")
+    own = motion(1)
+    names = {"t": "t", "rudder": "delta_r", "yaw_rate": "r"}
+    table = pandas.DataFrame({names[name]: column for name, column in own.items()})
+    table.to_csv(tmp_path / "trial.csv", index=False)
+    timed = table.set_index("t")
+    for frame in (table, timed, tmp_path / "trial.csv"):
+        more = {"outputs": ["yaw_rate"]} if isinstance(frame, Path) else {}
+        if isinstance(frame, Path):
+            table.assign(psi=0.0, v=0.0, u=6.0).to_csv(frame, index=False)
+        assert fitted(frame, **more).parameters == pytest.approx(ship.parameters, rel=1e-6)
+
+
+def test_another_record_is_predicted_by_rudder_alone(ship: Any) -> None:
+    other = motion(3)
+    found = ship.predict(other)
+    assert list(found) == ["t", "yaw_rate"]
+    assert np.std(found["yaw_rate"] - other["yaw_rate"]) < np.radians(0.015)
+    # without a reading the ship begins at rest
+    blind = ship.predict({"t": other["t"], "rudder": other["rudder"]})["yaw_rate"]
+    assert blind[0] == pytest.approx(0.0, abs=1e-12)
+    assert np.std(blind - other["yaw_rate"]) < np.radians(0.05)
+    assert ship.residuals["yaw_rate"].shape == (300,)
+    assert np.std(ship.residuals["yaw_rate"]) == pytest.approx(np.radians(0.01), rel=0.15)
+
+
+def test_series_matrices_plots_and_files_come_out(ship: Any, tmp_path: Path) -> None:
+    assert ship.series()["yaw_rate_measured_deg_s"] == pytest.approx(
+        np.degrees(motion(1)["yaw_rate"])
+    )
+    assert ship.matrices()["estimate"]["continuous"]["A"][1] == [1.0, 0.0]
+    ship.write(tmp_path / "ship.toml")
+    assert load_nomoto(tmp_path / "ship.toml").K_per_s == pytest.approx(ship.K)
+    pytest.importorskip("matplotlib")
+    assert len(ship.plot().axes) == 12
+    ship.plot(tmp_path / "fit.png")
+    assert (tmp_path / "fit.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_parameters_may_begin_elsewhere_and_be_held() -> None:
+    found = fitted(motion(1), fixed={"T": 25.0}, start={"K": -0.03})
+    assert "T" not in found.parameters
+    assert found.T1 == 25.0
+
+
+@pytest.mark.parametrize(
+    ("change", "keywords", "told"),
+    [
+        ({"rudder": None}, {}, "frame: no column 'rudder' for rudder; it has t, yaw_rate"),
+        ({"t": np.zeros(300)}, {}, "frame: row 1: t = 0 s is repeated"),
+        ({"yaw_rate": np.zeros(299)}, {}, r"yaw_rate: has shape \(299,\), must be \(300,\)"),
+        ({"yaw_rate": ["fast"] * 300}, {}, "yaw_rate: is no array of numbers"),
+        ({}, {"units": {"rudder": "gon"}}, 'rudder: unit "gon": must be rad or deg'),
+        ({}, {"units": {"ruder": "deg"}}, "no channel 'ruder'; nearest is rudder"),
+        ({}, {"lenght": 3}, "no keyword 'lenght'; nearest is length"),
+        ({}, {"noise": "white"}, "noise = 'white': must be output-error or"),
+        ({}, {"length": None}, r"frame: lacks \[ship\]"),
+    ],
+)
+def test_what_cannot_be_fitted_is_named(change: Any, keywords: Any, told: str) -> None:
+    frame = {name: column for name, column in (motion(1) | change).items() if column is not None}
+    with pytest.raises(trainer.TrainerError, match=told):
+        identify.fit(frame, "nomoto1", **{"length": 120, "speed": 12, **keywords})

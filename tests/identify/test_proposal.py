@@ -1,0 +1,187 @@
+"""Studies written from records, and the record that ships as an example."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from helpers import example_record
+from helpers.places import ROOT
+
+from trainer.cli.identify import identify
+from trainer.config.files import ConfigError
+from trainer.identify.experiment import hold_bits, prbs
+from trainer.identify.proposal import write_proposal
+from trainer.identify.sources import USUAL
+from trainer.identify.study import load_study, observe
+from trainer.units import KNOT
+
+EXAMPLE = ROOT / "configs" / "records" / "example.csv"
+
+
+def call(*arguments: object, code: int = 0) -> Result:
+    """Return what `trainer identify` with these words did; it must end with that exit code."""
+    result = CliRunner().invoke(identify, [str(one) for one in arguments])
+    if result.exception and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    assert result.exit_code == code, result.output
+    return result
+
+
+def motion() -> tuple[Any, Any, Any, Any]:
+    """Return times [s], rudder [deg], yaw rate [deg/s] and heading [deg] of a ship."""
+    helm = np.resize(hold_bits(prbs(6), 10.0, 8), 300)
+    rate = np.zeros(300)
+    for i in range(299):
+        rate[i + 1] = 0.9 * rate[i] - 0.005 * helm[i]
+    heading = 80.0 + np.cumsum(2.0 * rate)
+    return 2.0 * np.arange(300), helm, rate, heading
+
+
+def write(path: Path, columns: dict[str, Any]) -> Path:
+    """Write columns as CSV; return the path."""
+    rows = zip(*columns.values(), strict=True)
+    lines = [",".join(columns), *(",".join(str(float(x)) for x in row) for row in rows)]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+DEGREE = np.pi / 180.0
+T, HELM, RATE, HEADING = motion()
+SWAY = -45.0 * DEGREE * RATE
+FILES = {
+    "words": (
+        {"Time": T, "Rudder angle": HELM, "ROT": 60.0 * RATE, "Gyro": HEADING},
+        {"t": "s", "rudder": "deg", "heading": "deg", "yaw_rate": "deg/min"},
+    ),
+    "the trainer's own": (
+        {"t": T, "delta_r": DEGREE * HELM, "psi": DEGREE * HEADING, "r": DEGREE * RATE, "v": SWAY},
+        {"t": "s", "rudder": "rad", "heading": "rad", "yaw_rate": "rad/s", "sway": "m/s"},
+    ),
+    "endings": (
+        {
+            "time_min": T / 60.0,
+            "helm_rad": DEGREE * HELM,
+            "yaw_rate_deg_s": RATE,
+            "v_kn": SWAY / KNOT,
+            "rudder_order": HELM,
+        },
+        {"t": "min", "rudder": "rad", "yaw_rate": "deg/s", "sway": "kn"},
+    ),
+    "brackets": (
+        {"t [s]": T, "rudder [deg]": HELM, "heading (°)": HEADING, "stw [kts]": SWAY + 12.0},
+        {"t": "s", "rudder": "deg", "heading": "deg", "speed": "kn"},
+    ),
+    "a track": (
+        {"t": T, "rudder": HELM, "hdg": HEADING, "lat": 54 + T / 1e4, "long": 8 + 0 * T},
+        {"t": "s", "rudder": "deg", "heading": "deg", "latitude": "deg", "longitude": "deg"},
+    ),
+    "a track as instruments send it": (
+        {"t": T, "rudder": HELM, "hdg": HEADING, "lat": 5400 + T / 1e3, "lon": -830 + 0 * T},
+        {"t": "s", "rudder": "deg", "heading": "deg", "latitude": "ddmm", "longitude": "ddmm"},
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_columns_are_told_by_their_names_and_units(tmp_path: Path, kind: str) -> None:
+    columns, units = FILES[kind]
+    found = write_proposal(write(tmp_path / "a.csv", columns), tmp_path / "a.toml", 100.0, 12.0)
+    assert {channel: one.unit for channel, one in found.columns.items()} == units
+    record = observe(load_study(tmp_path / "a.toml")).record
+    assert record.t == pytest.approx(T)
+    assert record.rudder == pytest.approx(DEGREE * HELM)
+
+
+def test_the_sign_of_the_rudder_is_told_by_how_the_ship_turns(tmp_path: Path) -> None:
+    columns = {"t": T, "rudder": -HELM, "heading": HEADING, "yaw rate [deg/s]": RATE}
+    found = write_proposal(write(tmp_path / "a.csv", columns), tmp_path / "a.toml", 100.0, 12.0)
+    assert found.remarks == ("a.csv: read with units of the heading",)
+    study = load_study(tmp_path / "a.toml")
+    assert study.heading.positive_rudder == "starboard"
+    assert observe(study).record.rudder == pytest.approx(DEGREE * HELM)
+
+
+def test_what_forbids_the_record_s_use_is_said_and_the_study_written(tmp_path: Path) -> None:
+    columns = {"t": T, "rudder": HELM, "heading": HEADING, "yaw rate [deg/s]": -RATE}
+    (told,) = write_proposal(
+        write(tmp_path / "a.csv", columns), tmp_path / "a.toml", None, None
+    ).remarks
+    assert "one of them is positive to port" in told
+    assert "# length_m = 100  # fill in" in (tmp_path / "a.toml").read_text()
+
+
+def test_a_rudder_that_is_missing_somewhere_is_said(tmp_path: Path) -> None:
+    helm = HELM.astype(float)
+    helm[7] = np.nan
+    path = write(tmp_path / "a.csv", {"t": T, "rudder": helm, "heading": HEADING})
+    (told,) = write_proposal(path, tmp_path / "a.toml", None, None).remarks
+    assert "row 9: rudder: the rudder must be known at each row" in told
+
+
+def test_a_record_without_a_rudder_has_no_study(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.csv", {"t": T, "heading": HEADING})
+    with pytest.raises(ConfigError, match="no column looks like the rudder; it has t, heading"):
+        write_proposal(path, tmp_path / "a.toml", None, None)
+    assert not (tmp_path / "a.toml").exists()
+
+
+def test_a_study_is_written_beside_its_record_and_never_over_another(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.csv", {"t": T, "rudder": HELM, "heading": HEADING})
+    printed = call("new", path).stdout
+    assert f"{tmp_path / 'a.toml'}: 300 rows every 2 s: t in t, rudder in rudder" in printed
+    assert "fill in the length of [ship]; fit it by: trainer identify" in printed
+    with pytest.raises(ConfigError, match="lacks length_m"):
+        call(tmp_path / "a.toml")
+    with pytest.raises(ConfigError, match="is there already"):
+        call("new", path)
+    (tmp_path / "b").mkdir()
+    call("new", path, "-o", tmp_path / "b" / "study.toml", "--length", 100, "--at", 12)
+    assert load_study(tmp_path / "b" / "study.toml").data.resolve() == path
+
+
+def test_a_study_is_fitted_as_it_was_written(tmp_path: Path) -> None:
+    pytest.importorskip("scipy")
+    rng = np.random.default_rng(1)
+    noisy = {"rot [deg/s]": RATE + 0.02 * rng.standard_normal(300)}
+    path = write(tmp_path / "a.csv", {"t": T, "helm": -HELM} | noisy)
+    call("new", path, "--length", 100, "--at", 12)
+    report = json.loads(call(tmp_path / "a.toml", "--json").stdout)
+    found = {one["name"]: one["value"] for one in report["ship"]}
+    assert found["K"] == pytest.approx(-0.05, rel=0.05)
+
+
+def test_the_example_ships_and_is_fitted_where_it_is_copied_to(tmp_path: Path) -> None:
+    pytest.importorskip("scipy")
+    report = json.loads(call("--example", "--json").stdout)
+    assert report["converged"]
+    ship = {one["name"]: one for one in report["ship"]}
+    # the true ones of BB2 at no helm; at this helm it turns a little less (docs)
+    assert ship["K"]["value"] == pytest.approx(-0.284, rel=0.12)
+    assert ship["T1"]["value"] == pytest.approx(39.9, rel=0.15)
+    folder = tmp_path / "lesson"
+    copied = call("--example", folder, "--model", "nomoto1", "--json")
+    assert f"{folder / 'example.csv'} written" in copied.stderr
+    assert json.loads(copied.stdout)["model"] == "nomoto1"
+    with pytest.raises(ConfigError, match="is there already"):
+        call("--example", folder)
+
+
+def test_the_example_takes_no_file_beside_it(tmp_path: Path) -> None:
+    result = call("--example", "--", tmp_path / "a.csv", code=2)
+    assert "give no FILE" in result.stderr
+
+
+@pytest.mark.slow
+def test_the_example_is_what_the_trainer_flies(tmp_path: Path) -> None:
+    flown = list(example_record.rows(tmp_path))
+    shipped = EXAMPLE.read_text().splitlines()
+    assert flown[:2] == shipped[:2]
+    numbers = [np.array([row.split(",") for row in one[2:]], float) for one in (flown, shipped)]
+    assert numbers[0] == pytest.approx(numbers[1], abs=0.02)
+    call("new", tmp_path / "trial.trainer", "-o", tmp_path / "own.toml", "--length", 70.2)
+    study = load_study(tmp_path / "own.toml")
+    assert study.sensors == USUAL
+    assert len(observe(study).record.t) > 1000

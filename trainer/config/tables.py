@@ -1,0 +1,362 @@
+"""Tables from CSV texts: separator, decimal sign, units and times as programs write them."""
+
+import csv
+import io
+import math
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime, time
+from itertools import pairwise
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config.files import ConfigError, nearest, quote
+
+Numbers = NDArray[np.float64]
+EMPTY: Final = ("", "nan", "na", "null", "-")
+SEPARATORS: Final = {"\t": "tabs", ";": '";"', ",": '","'}  # those that numbers cannot have first
+LOOKED_AT: Final = 40  # [rows] that tell the separator
+LARGEST: Final = 1e15  # of a number; what is beyond it is none that was measured
+DAY: Final = 86400.0  # [s]
+EVEN: Final = 1e-3  # [-] of an interval: what differs less is at one interval
+FEWEST: Final = 20  # rows, to judge a clock
+REPEATS: Final = 3  # times and
+SHARE: Final = 0.02  # of the times that must be repeated before a clock counts as rounded
+SLACK: Final = 0.6  # [-] of what a clock is rounded to, that a time may be off
+COMMA: Final = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")  # a number with a decimal comma
+POINT: Final = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
+BRACKETS: Final = re.compile(r"(.*\S)\s*(?:\[(.*)\]|\((.*)\))")  # rudder [deg], rudder (deg)
+ANGLE: Final = re.compile(  # 54.5, 54 30.0, 54-30.0 N, N54\u00b030'00\", 5430.0 of ddmm
+    r"([NSEW]?)\s*([+-]?\d+(?:[.,]\d*)?)\s*(?:[\u00b0\s-]\s*(\d+(?:[.,]\d*)?)\s*['\u2032]?"
+    r"\s*(?:(\d+(?:[.,]\d*)?)\s*[\"\u2033])?)?\s*\u00b0?\s*([NSEW]?)",
+    re.IGNORECASE,
+)
+SPELLINGS: Final = (  # of units, and ours
+    (re.compile("°|degrees?|deg\\."), "deg"),
+    (re.compile("radians?"), "rad"),
+    (re.compile("seconds?|sec"), "s"),
+    (re.compile("minutes?"), "min"),
+    (re.compile("hours?|hrs?"), "h"),
+    (re.compile("knots?|kts?"), "kn"),
+    (re.compile(r"[\s*]+|\^"), ""),
+    (re.compile("s-1$"), "/s"),
+)
+TELLING: Final = ("s", "ms", "min", "h", "rad", "deg", "rad/s", "deg/s", "deg/min", "m/s", "kn")
+
+
+def spelt(unit: str) -> str:
+    """Return a unit as it is written here: deg for °, kn for kts."""
+    found = unit.strip().strip("[]()").casefold()
+    for wrong, right in SPELLINGS:
+        found = wrong.sub(right, found)
+    return found
+
+
+@dataclass(frozen=True)
+class Table:
+    """The cells of a CSV file below its heading; ``lines`` as people count."""
+
+    path: Path
+    heads: tuple[str, ...]
+    units: tuple[str, ...]  # as ``spelt``, "" where the file says none
+    lines: Sequence[int]
+    cells: Sequence[Sequence[str]]
+    told: tuple[str, ...]  # how it was read, where that had to be guessed
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Return the headings, without a unit in brackets where the rest is but once there."""
+        bare = [_parted(head)[0] for head in self.heads]
+        return tuple(
+            short if bare.count(short) == 1 else head
+            for short, head in zip(bare, self.heads, strict=True)
+        )
+
+    def has(self, name: str) -> bool:
+        """Return whether there is a column of that heading, with its unit or without."""
+        return name in self.heads or name in self.names
+
+    def place(self, name: str, use: str = "") -> int:
+        """Return the place of a column; ConfigError with the nearest name if there is none."""
+        for names in (self.heads, self.names):
+            if name in names:
+                return names.index(name)
+        wanted = f" for {use}" if use else ""
+        raise ConfigError(
+            f"{self.path}: no column {quote(name)}{wanted}{nearest(name, self.names)}; "
+            f"it has {', '.join(self.names)}"
+        )
+
+    def texts(self, place: int) -> list[str]:
+        """Return the cells of a column."""
+        return [row[place] for row in self.cells]
+
+    def numbers(self, place: int) -> Numbers:
+        """Return a column, NaN where it is empty. ConfigError naming the row of what is none."""
+        texts = self.texts(place)
+        return np.array([self.number(row, place, text) for row, text in enumerate(texts)], float)
+
+    def known(self, place: int) -> Numbers:
+        """Return a column whose cells are all numbers; ConfigError naming the row of one not."""
+        numbers = self.numbers(place)
+        if (missing := np.isnan(numbers)).any():
+            raise self.wrong(int(np.argmax(missing)), place, "must be a number")
+        return numbers
+
+    def number(self, row: int, place: int, text: str) -> float:
+        """Return what one cell says, NaN if it is empty. ConfigError if it is no number."""
+        try:
+            number = float(text)
+        except ValueError:
+            number = math.nan if text.casefold() in EMPTY else math.inf
+        if abs(number) > LARGEST:
+            remedy = ": write it without a sign between thousands" if "," in text else ""
+            raise self.wrong(row, place, f"must be a number, or empty{remedy}")
+        return number
+
+    def angles(self, place: int, unit: str) -> Numbers:
+        """Return latitudes or longitudes in degrees, in radians if ``unit`` is rad; ConfigError.
+
+        A cell is a number, degrees and minutes together if ``unit`` is ddmm, or degrees with
+        minutes and seconds, and N, S, E or W.
+        """
+        rows = range(len(self.cells))
+        return np.array([self._angle(row, place, unit) for row in rows], float)
+
+    def _angle(self, row: int, place: int, unit: str) -> float:
+        """Return the angle of one cell; NaN if it is empty. ConfigError if it is none."""
+        text = self.cells[row][place]
+        found = ANGLE.fullmatch(text)
+        if found is None:
+            return self.number(row, place, text)
+        before, whole, *parts, after = found.groups()
+        size, minutes, seconds = (float((x or "0").replace(",", ".")) for x in (whole, *parts))
+        size = abs(size)
+        if unit == "ddmm" and not any(parts):
+            size, minutes = size // 100.0, size % 100.0
+        limit = math.pi if unit == "rad" else 180.0
+        size += (minutes + seconds / 60.0) / 60.0
+        if minutes >= 60.0 or size > limit:
+            remedy = 'unit = "ddmm" is degrees and minutes' if unit == "deg" else f"is it {unit}?"
+            raise self.wrong(row, place, f"must be at most {limit:.4g}, minutes below 60; {remedy}")
+        half = (before or after).upper()
+        return -size if half in ("S", "W") or (not half and whole.startswith("-")) else size
+
+    @property
+    def repeats(self) -> NDArray[np.bool_]:
+        """Return of each row whether it says what the one before it says."""
+        same = [row == before for before, row in pairwise(self.cells)]
+        return np.array([False, *same])
+
+    def is_clock(self, place: int) -> bool:
+        """Return whether a column has dates or times of day, not numbers."""
+        first = next((text for text in self.texts(place) if text.casefold() not in EMPTY), "")
+        return _moment(first) is not None and not _is_number(first)
+
+    def seconds(self, place: int) -> Numbers:
+        """Return ISO 8601 times from the first one [s], beyond midnight too. ConfigError."""
+        moments = []
+        for row, text in enumerate(self.texts(place)):
+            moment = _moment(text)
+            if moment is None:
+                raise self.wrong(row, place, "must be a time by ISO 8601, as the first is")
+            moments.append(moment)
+        since = np.array([(moment - moments[0]).total_seconds() for moment in moments])
+        if ":" in self.cells[0][place][:3]:  # no date: midnight comes
+            since = np.unwrap(since, period=DAY)
+        return since
+
+    def wrong(self, row: int, place: int, text: str) -> ConfigError:
+        """Return what is wrong with a cell."""
+        name, cell = self.names[place], quote(self.cells[row][place])
+        return ConfigError(f"{self.path}: row {self.lines[row]}: {name} = {cell}: {text}")
+
+
+def read_table(path: Path) -> Table:
+    """Return the table in a CSV file. ConfigError naming row and column of what is wrong."""
+    text, told = _decoded(path)
+    separator = _separator(text)
+    if separator != ",":
+        told.append(f"columns by {SEPARATORS[separator]}")
+    try:
+        lines = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+        heads = tuple(name.strip() for name in next(lines, []))
+        rows = [(lines.line_num, [cell.strip() for cell in row]) for row in lines if row]
+    except csv.Error as error:
+        raise ConfigError(f"{path}: is not a CSV text: {error}") from error
+    twice = [name for name in dict.fromkeys(heads) if heads.count(name) > 1]
+    if twice:
+        raise ConfigError(f"{path}: column {quote(twice[0])} is given twice")
+    _drop_empty(rows, told)
+    _check_fields(path, heads, rows, separator)
+    units = _units(heads, rows, told)
+    _mend_commas(path, heads, rows, told)
+    return Table(path, heads, units, [n for n, _ in rows], [row for _, row in rows], tuple(told))
+
+
+Rows = list[tuple[int, list[str]]]
+
+
+def _decoded(path: Path) -> tuple[str, list[str]]:
+    """Return the text of a file, and which code it is in if that is not UTF-8. ConfigError."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
+    wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+    try:
+        return data.decode("utf-16" if wide else "utf-8-sig"), ["UTF-16"] if wide else []
+    except UnicodeDecodeError as error:
+        if wide or b"\0" in data:
+            raise ConfigError(f"{path}: is not a CSV text: {error}") from error
+    return data.decode("cp1252", errors="replace"), ["letters of Windows"]
+
+
+def _separator(text: str) -> str:
+    """Return what separates columns: what gives most rows as many fields as the heading."""
+
+    def agreeing(separator: str) -> int:
+        try:
+            rows = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+            sizes = [len(row) for _, row in zip(range(LOOKED_AT), rows, strict=False) if row]
+        except csv.Error:
+            return 0
+        return Counter(sizes)[sizes[0]] if sizes and sizes[0] > 1 else 0
+
+    found = max(SEPARATORS, key=agreeing)
+    return found if agreeing(found) > 1 else ","
+
+
+def _drop_empty(rows: Rows, told: list[str]) -> None:
+    """Take empty rows off the end."""
+    count = len(rows)
+    while rows and not any(rows[-1][1]):
+        rows.pop()
+    if len(rows) < count:
+        told.append(f"{count - len(rows)} empty last rows left out")
+
+
+def _check_fields(path: Path, heads: Sequence[str], rows: Rows, separator: str) -> None:
+    """Check that each row has as many fields as the heading; ConfigError with the first."""
+    wrong = [(line, len(row)) for line, row in rows if len(row) != len(heads)]
+    if not wrong:
+        return
+    line, size = wrong[0]
+    remedy = ""
+    if separator == "," and 2 * len(wrong) > len(rows) and all(n > len(heads) for _, n in wrong):
+        remedy = (
+            ': is "," both between columns and within numbers? '
+            'write ";" between columns, or decimal points'
+        )
+    raise ConfigError(f"{path}: row {line}: has {size} fields, the heading {len(heads)}{remedy}")
+
+
+def _parted(head: str) -> tuple[str, str]:
+    """Return a heading without its unit in brackets, and the unit, "" if it has none."""
+    found = BRACKETS.fullmatch(head)
+    unit = spelt(found[2] or found[3] or "") if found else ""
+    return (found[1], unit) if found and unit in TELLING else (head, "")
+
+
+def _units(heads: Sequence[str], rows: Rows, told: list[str]) -> tuple[str, ...]:
+    """Return the units by column, those of a row under the heading, which is taken off."""
+    units = [_parted(head)[1] for head in heads]
+    if any(units):
+        told.append("units of the heading")
+    cells = rows[0][1] if rows else []
+    if any(spelt(cell) in TELLING for cell in cells) and not any(map(_is_value, cells)):
+        told.append(f"units of row {rows[0][0]}")
+        units = [spelt(cell) or unit for cell, unit in zip(cells, units, strict=True)]
+        del rows[0]
+    return tuple(units)
+
+
+def _is_value(cell: str) -> bool:
+    return _is_number(cell) or bool(COMMA.fullmatch(cell)) or _moment(cell) is not None
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _moment(text: str) -> datetime | None:
+    """Return a date with a time, or a time of day, by ISO 8601; None if it is neither."""
+    try:
+        found = datetime.fromisoformat(text)
+    except ValueError:
+        try:
+            found = datetime.combine(datetime(1, 1, 2, tzinfo=UTC), time.fromisoformat(text))
+        except ValueError:
+            return None
+    return found if found.tzinfo else found.replace(tzinfo=UTC)
+
+
+def _mend_commas(path: Path, heads: Sequence[str], rows: Rows, told: list[str]) -> None:
+    """Write decimal points for decimal commas. ConfigError if there are both."""
+    found = _first_like(COMMA, rows)
+    if found is None:
+        return
+    other = _first_like(POINT, rows)
+    if other is not None:
+        (line, i, text), (at, j, number) = found, other
+        raise ConfigError(
+            f"{path}: row {line}: {heads[i]} = {quote(text)}, row {at}: {heads[j]} = "
+            f"{quote(number)}: decimal commas and decimal points: write all numbers one way"
+        )
+    told.append("decimal commas")
+    for _, row in rows:
+        row[:] = [cell.replace(",", ".") if COMMA.fullmatch(cell) else cell for cell in row]
+
+
+def _first_like(pattern: re.Pattern[str], rows: Rows) -> tuple[int, int, str] | None:
+    """Return line, place and text of the first cell like a pattern; None if there is none."""
+
+    def cells() -> Iterator[tuple[int, int, str]]:
+        for line, row in rows:
+            for place, cell in enumerate(row):
+                if pattern.fullmatch(cell):
+                    yield line, place, cell
+
+    return next(cells(), None)
+
+
+def rebuild_times(t: Numbers, same: NDArray[np.bool_]) -> tuple[Numbers, str]:
+    """Return even times [s] where a clock was rounded, and that in words.
+
+    Other times come back as they are. Each is off by no more than half of what was printed.
+    ``same`` has the rows that say what the row before them says.
+    """
+    steps = np.diff(t)
+    rises = len(t) >= FEWEST and bool(np.isfinite(t).all() and (steps >= 0.0).all())
+    if not rises or np.ptp(steps) <= EVEN * np.mean(steps):
+        return t, ""
+    repeated = np.append(False, steps == 0.0)
+    count = np.count_nonzero(repeated)
+    if 0 < count < max(REPEATS, SHARE * len(t)) or (count and same[repeated].all()):
+        return t, ""
+    for printed in _resolutions(t, repeats=bool(count)):
+        slope, start = np.polyfit(np.arange(len(t)), t, 1, w=1.0 / printed)
+        even = start + slope * np.arange(len(t))
+        if (np.abs(t - even) <= SLACK * printed).all():
+            return even, f"rounded times, {count} of them repeated: rebuilt every {slope:.6g} s"
+    return t, ""
+
+
+def _resolutions(t: Numbers, *, repeats: bool) -> Iterator[Numbers]:
+    """Yield what a clock may have been rounded to at each row: a step, or so many digits."""
+    steps = np.diff(t)
+    digits = [np.format_float_scientific(x, unique=True, trim="-") for x in np.round(t, 9)]
+    places = [len(text.partition("e")[0].replace(".", "").lstrip("-")) for text in digits]
+    powers = np.floor(np.log10(np.maximum(np.abs(t), 1e-9)))
+    finest = 10.0 ** float(np.min(powers + 1 - np.array(places), where=t != 0.0, initial=9))
+    yield np.full_like(t, steps[steps > 0.0].min() if repeats else finest)
+    yield np.maximum(10.0 ** (powers + 1 - max(places)), finest)

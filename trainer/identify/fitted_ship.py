@@ -1,0 +1,304 @@
+"""The Python face of identification: a ship fitted to arrays or a file."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, Unpack, cast
+
+import numpy as np
+
+from trainer.analysis.report.plots import draw, figure_of
+from trainer.config.extras import require_library
+from trainer.config.files import ConfigError, nearest
+from trainer.core.kernel import Numbers
+from trainer.identify import fitting
+from trainer.identify.measurements import CHANNELS, Record
+from trainer.identify.minimise import unheard
+from trainer.identify.models import UNITS as OUTPUT_UNITS
+from trainer.identify.options import as_asked, study_of
+from trainer.identify.outcome import matrices_of, nomoto_text, series_of, vessel_text
+from trainer.identify.pages.identify import render, screens
+from trainer.identify.pages.results import Identified, ShipNumber, describe
+from trainer.identify.sources import OWN, Column, check_times, factor
+from trainer.identify.study import Study, observe, plain_study
+from trainer.identify.study_records import METHODS, MODELS, NOISES, ParameterRow
+from trainer.identify.validation import alone, other_problem, other_record
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Frame = Mapping[str, Any] | str | Path
+FRAME: Final = Path("frame")  # what messages call a record of arrays
+CHOICES: Final = {
+    "model": MODELS,
+    "noise": NOISES,
+    "method": METHODS,
+    "positive_rudder": ("port", "starboard"),
+}
+UNSAID: Final = {"armax": False, "exact": False}
+
+
+class FitOptions(TypedDict, total=False):
+    """The keywords of ``fit``."""
+
+    length: float | None
+    speed: float | None
+    vessel: str | Path | None
+    outputs: Sequence[str]
+    columns: Mapping[str, str]
+    units: Mapping[str, str]
+    positive_rudder: Literal["port", "starboard"]
+    noise: Literal["covariance", "innovations", "output-error"] | None
+    method: Literal["scoring", "bfgs", "direct"] | None
+    start: Mapping[str, float]
+    fixed: Mapping[str, float]
+    every: int | None
+    begin: float | None
+    end: float | None
+
+
+USUAL: Final[FitOptions] = {
+    **dict.fromkeys(("length", "speed", "vessel", "noise", "method", "every", "begin", "end")),  # type: ignore[typeddict-item]
+    "outputs": (),
+    "columns": {},
+    "units": {},
+    "positive_rudder": "port",
+    "start": {},
+    "fixed": {},
+}
+
+
+def fit(
+    frame: Frame,
+    model: Literal["1", "2", "3", "nomoto1", "nomoto2"] | None = None,
+    **keywords: Unpack[FitOptions],
+) -> "FittedShip":
+    """Fit a ship to a record of rudder and motion by maximum likelihood.
+
+    It is what ``trainer identify`` does.
+
+    ``frame`` is a mapping of arrays of one length (n,), a pandas frame, or the path of a CSV file,
+    a recording or a study. Arrays are ``t`` [s] rising, ``rudder`` and what was read: ``yaw_rate``,
+    ``heading``, ``sway``, ``bow_sway``, ``stern_sway``, ``speed``; NaN is a missing reading. They
+    are SI and radians, unless ``units`` says otherwise (``{"rudder": "deg"}``), under these names
+    or those of a recording (``delta_r``, ``r``, ``psi``, ``v``, ``u``), unless ``columns`` does
+    (``{"rudder": "helm"}``). A positive rudder turns to port, or as ``positive_rudder`` says.
+
+    ``model``: 1 is sway and yaw, 2 sway, 3 yaw, ``nomoto1`` K/(1 + T s), ``nomoto2`` K(1 + T3 s)/
+    ((1 + T1 s)(1 + T2 s)). ``length`` [m] and ``speed`` [kn] scale it; a ``vessel`` has a length,
+    and Model 1's start; without a speed it is the record's mean. ``outputs`` are what is fitted,
+    else all that the model has. ``noise`` and ``method`` are those of a study. ``start`` and
+    ``fixed`` are numbers of parameters to begin from and to hold. One sample of ``every`` is taken,
+    from ``begin`` to ``end`` [s].
+
+    TrainerError naming what is wrong: a column that lacks, times that do not rise, a rudder that
+    never moves, parameters that the record cannot separate. Look at ``converged`` and ``doubt``.
+    Source: Astrom, Kallstrom, Norrbin and Bystrom, Lund 7431 (1974), with exact derivatives.
+    """
+    require_library("scipy", "identify")
+    for name in keywords:
+        if name not in USUAL:
+            there = ", ".join(USUAL)
+            raise ConfigError(f"no keyword {name!r}{nearest(name, USUAL)}; there are {there}")
+    given: FitOptions = {**USUAL, **keywords}
+    options: dict[str, Any] = {**given, **UNSAID, "model": model}
+    for name, words in CHOICES.items():
+        if options[name] not in (None, *words):
+            raise ConfigError(f"{name} = {options[name]!r}: must be {' or '.join(words)}")
+    options |= {"knots": given["speed"], "channels": tuple(given["outputs"])}
+    options["vessel"] = given["vessel"] and str(given["vessel"])
+    if isinstance(frame, str | Path):
+        study, loaded = study_of(Path(frame), options), None
+    else:
+        study = _study_of(frame, given)
+        loaded = _record_of(frame, study.columns)
+        study = as_asked(study, options)
+    rows = [ParameterRow(name=name, start=x) for name, x in given["start"].items()]
+    rows += [ParameterRow(name=name, start=x, free="no") for name, x in given["fixed"].items()]
+    study = replace(study, parameters=(*study.parameters, *rows))
+    observed = observe(study, loaded)
+    fitted = fitting.fit(study, observed.record, unheard)
+    return FittedShip(describe(fitted, tuple(map(str, observed.findings))), given["units"])
+
+
+def _study_of(frame: Mapping[str, Any], given: FitOptions) -> Study:
+    """Return the study of arrays; ConfigError for channels, columns or units that are none."""
+    columns, units = given["columns"], given["units"]
+    channels = ("t", *CHANNELS)
+    for name in (*columns, *units):
+        if name not in channels:
+            there = ", ".join(channels)
+            raise ConfigError(f"no channel {name!r}{nearest(name, channels)}; there are {there}")
+    found = {}
+    for channel in channels:
+        names = [columns[channel]] if channel in columns else [channel, OWN.get(channel, channel)]
+        column = next((name for name in names if name in _names(frame)), None)
+        if column is not None:
+            found[channel] = Column(column, units.get(channel))
+        elif channel in columns or channel in ("t", "rudder"):
+            known = ", ".join(map(str, _names(frame)))
+            raise ConfigError(f"frame: no column {names[0]!r} for {channel}; it has {known}")
+    study = plain_study(FRAME)
+    heading = replace(study.heading, positive_rudder=given["positive_rudder"])
+    return replace(study, path=FRAME, heading=heading, columns=found)
+
+
+def _names(frame: Mapping[str, Any]) -> list[str]:
+    """Return the names of a frame's columns, and of its index if it has one."""
+    index = getattr(getattr(frame, "index", None), "name", None)
+    return [*frame.keys(), *([index] if index else [])]
+
+
+def _record_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> Record:
+    """Return the record in arrays, SI; ConfigError naming a column that cannot be used."""
+    taken: dict[str, Any] = {}
+    for channel, column in columns.items():
+        scale = factor(channel, column.unit) if column.unit else 1.0
+        # the index of a pandas frame is no column of it
+        found = frame[column.name] if column.name in frame else cast("Any", frame).index
+        values = np.asarray(found)
+        if values.dtype.kind == "M":
+            values = (values - values[0]) / np.timedelta64(1, "s")
+        try:
+            taken[channel] = np.asarray(values, float) * scale
+        except (TypeError, ValueError) as error:
+            raise ConfigError(f"frame: {column.name}: is no array of numbers: {error}") from None
+        size = taken[next(iter(taken))].shape
+        if taken[channel].ndim != 1 or taken[channel].shape != size:
+            shape = taken[channel].shape
+            raise ConfigError(f"frame: {column.name}: has shape {shape}, must be {size[:1]}")
+    names = {channel: column.name for channel, column in columns.items()}
+    times = taken.pop("t")
+    record = Record(source="frame", t=times, rows=np.arange(len(times)), names=names, **taken)
+    check_times(record)
+    return record
+
+
+class FittedShip:
+    """A ship fitted to a record; ``print`` shows the page of ``trainer identify``.
+
+    Gains and time constants are attributes, SI: ``K`` [1/s], ``T1``, ``T2``, ``T3``, ``T`` [s],
+    ``K_v`` [m/s] and others of ``numbers``, as far as the model has them.
+    """
+
+    def __init__(self, found: Identified, units: Mapping[str, str]) -> None:
+        """Take what was identified, and the units of arrays by channel."""
+        self._found = found
+        self._units = dict(units)
+
+    @property
+    def converged(self) -> bool:
+        """Return whether the fit has settled; ``doubt`` says why not."""
+        return self._found.report.converged
+
+    @property
+    def doubt(self) -> str:
+        """Return why the fit did not settle, "" if it did."""
+        return self._found.report.doubt
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Return the estimates by name, in the model's units: knots, degrees, prime or bis."""
+        return {one.name: one.value for one in self._found.report.parameters}
+
+    @property
+    def deviations(self) -> dict[str, float]:
+        """Return the standard deviations of ``parameters``; NaN where the record tells none."""
+        return dict(zip(self.parameters, np.sqrt(np.diag(self.covariance)), strict=True))
+
+    @property
+    def covariance(self) -> Numbers:
+        """Return the covariance (f, f) of ``parameters``, in their order."""
+        scale = self._found.fitted.problem.scale
+        return np.asarray(self._found.fitted.known.covariance * np.outer(scale, scale))
+
+    @property
+    def numbers(self) -> dict[str, ShipNumber]:
+        """Return gains and time constants, SI: ``value``, ``deviation``, ``low`` and ``high``.
+
+        The last two hold 95 % of the ships that the record allows.
+        """
+        return {one.name: one for one in self._found.report.ship}
+
+    def __getattr__(self, name: str) -> float:
+        """Return a gain or time constant [SI] by its name."""
+        numbers = {} if name.startswith("_") else self.numbers
+        if name not in numbers:
+            raise AttributeError(f"this ship has no {name!r}; it has {', '.join(numbers)}")
+        return numbers[name].value
+
+    @property
+    def log_likelihood(self) -> float:
+        """Return log L [-]."""
+        return self._found.report.log_likelihood
+
+    @property
+    def residuals(self) -> dict[str, Numbers]:
+        """Return the one-step errors of each output (n,), in the units of ``fit``."""
+        return self._in_units(self._found.run.errors)
+
+    def predict(self, frame: Frame) -> dict[str, Numbers]:
+        """Return each output (n,) under the rudder of a record, in the units of ``fit``.
+
+        ``frame`` is as for ``fit``, of the same columns. By the rudder alone, from the initial
+        state that fits its readings best; from rest where it has none.
+        """
+        fitted = self._found.fitted
+        if isinstance(frame, str | Path):
+            record = other_record(fitted, Path(frame))
+        else:
+            own = fitted.study.columns
+            columns = {
+                channel: own[channel] for channel in own if own[channel].name in _names(frame)
+            }
+            whole = replace(fitted.study.heading, every=None, from_s=None, to_s=None)
+            study = replace(fitted.study, heading=whole, sensors=None)
+            record = observe(study, _record_of(frame, columns)).record
+        problem = other_problem(fitted, record)
+        return {"t": record.t, **self._in_units(alone(problem, problem.start))}
+
+    def _in_units(self, outputs: Numbers) -> dict[str, Numbers]:
+        """Return outputs (n, y) of the models by channel, in the user's units."""
+        found = {}
+        for i, name in enumerate(self._found.report.outputs):
+            own = factor(name, self._units[name]) if name in self._units else 1.0
+            found[name] = outputs[:, i] / (OUTPUT_UNITS[name][1] * own)
+        return found
+
+    def series(self) -> dict[str, Numbers]:
+        """Return the columns (n,) of ``trainer identify --csv``: units are in their names."""
+        return series_of(self._found.fitted)
+
+    def matrices(self) -> dict[str, dict[str, Any]]:
+        """Return the system and covariance matrices, at the start values and at the estimate."""
+        return {one.of: asdict(one) for one in matrices_of(self._found.fitted)}
+
+    def summary(self) -> str:
+        """Return the page of ``trainer identify``."""
+        return render(self._found.report)
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+    def plot(self, path: str | Path | None = None) -> "Figure | None":
+        """Return matplotlib's figure of all plots, or draw them to a file.
+
+        The file is .png, .svg or .pdf. TrainerError without the extra ``plot``.
+        """
+        shown = screens(self._found)
+        if path is not None:
+            draw(shown, Path(path))
+            return None
+        require_library("matplotlib", "plot")
+        return figure_of(shown)
+
+    def write(self, path: str | Path) -> None:
+        """Write the ship as a Nomoto file, which ``trainer manoeuvre`` sails.
+
+        Where Model 1 was fitted to a ``vessel`` it is that vessel's file with the new numbers.
+        """
+        fitted = self._found.fitted
+        whole = fitted.study.ship is not None and fitted.study.ship.vessel is not None
+        own = fitted.problem.plant.model.name == "1" and whole
+        text = vessel_text(fitted) if own else nomoto_text(fitted, self._found.report.bend)
+        Path(path).write_text(text, encoding="utf-8")

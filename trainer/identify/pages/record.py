@@ -1,0 +1,117 @@
+"""A record by itself, before any fit, as a page and as plots."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from trainer.analysis.report.plots import Curve, Panel, Screen
+from trainer.analysis.report.text import INDENT, cut, table, wrap
+from trainer.core.kernel import Numbers
+from trainer.identify.measurements import CHANNELS, Record
+from trainer.identify.models import UNITS
+from trainer.identify.pages.identify import screens_of
+from trainer.identify.study import Observed, Study, observe, studies_of
+from trainer.units import DEGREE, KNOT
+
+
+@dataclass(frozen=True)
+class Channel:
+    """The values of one column in few numbers."""
+
+    name: str
+    unit: str
+    samples: int
+    missing: int
+    mean: float
+    deviation: float
+    least: float
+    largest: float
+
+
+@dataclass(frozen=True)
+class Run:
+    """One record: its times, oddities and columns."""
+
+    source: str
+    samples: int
+    interval_s: float
+    begin_s: float
+    end_s: float
+    findings: tuple[str, ...]
+    channels: tuple[Channel, ...]
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer identify --data-only`` says."""
+
+    study: str
+    runs: tuple[Run, ...]
+
+
+def carry_out(study: Study) -> tuple[Report, tuple[Screen, ...]]:
+    """Return what a study's records hold, and their figures. ConfigError if one is unusable."""
+    seen = [observe(one) for one in studies_of(study)]
+    report = Report(study.heading.name, tuple(map(_run, seen)))
+    names = [one.record.source for one in seen]
+    groups = {name: _panels(one.record) for name, one in zip(names, seen, strict=True)}
+    return report, screens_of(groups)
+
+
+def _columns(record: Record) -> Iterator[tuple[str, str, Numbers]]:
+    """Yield name, unit and values of each column, in the models' units."""
+    for name in record.channels:
+        unit, by = UNITS.get(name, ("kn", 1.0 / KNOT) if name == "speed" else ("deg", 1.0 / DEGREE))
+        yield name, unit, record.column(name) * by
+    for name, values in record.plain.items():
+        yield name, "-", values
+
+
+def _run(seen: Observed) -> Run:
+    record = seen.record
+    return Run(
+        source=record.source,
+        samples=len(record.t),
+        interval_s=record.interval,
+        begin_s=float(record.t[0]),
+        end_s=float(record.t[-1]),
+        findings=tuple(map(str, seen.findings)),
+        channels=tuple(_channel(*column) for column in _columns(record)),
+    )
+
+
+def _channel(name: str, unit: str, values: Numbers) -> Channel:
+    known = values[~np.isnan(values)]
+    sizes = (np.mean, np.std, np.min, np.max)
+    return Channel(
+        name, unit, len(known), len(values) - len(known), *(float(size(known)) for size in sizes)
+    )
+
+
+def _panels(record: Record) -> Iterator[Panel]:
+    """Yield each column over time, what acts as it is held."""
+    for name, unit, values in _columns(record):
+        acts = name == "rudder" or name in record.driving
+        t = np.repeat(record.t, 2)[1:] if acts else record.t
+        held = np.repeat(values, 2)[:-1] if acts else values
+        title = "rudder, positive to port" if name == "rudder" and name in CHANNELS else name
+        yield Panel(title, "time [s]", f"[{unit}]", (Curve(name, t, held, points=not acts),))
+
+
+def render(report: Report) -> str:
+    """Return the page of a record."""
+    lines = ["RECORD", f"{INDENT}{cut(report.study, 70)}"]
+    for run in report.runs:
+        span = f"{run.samples} samples every {run.interval_s:g} s"
+        lines += ["", f"{INDENT}{cut(run.source, 75)}"]
+        lines += [f"{INDENT}{span}, from {run.begin_s:g} s to {run.end_s:g} s"]
+        lines += [line for text in run.findings for line in wrap(f"- {text}")]
+        rows = []
+        for one in run.channels:
+            sizes = (one.mean, one.deviation, one.least, one.largest)
+            known = (one.name, one.unit, str(one.samples), str(one.missing))
+            rows.append((*known, *(f"{size:.4g}" for size in sizes)))
+        heads = ("column", "unit", "known", "missing", "mean", "std dev", "least", "largest")
+        lines += ["", *table(heads, rows)]
+    return "\n".join(lines)

@@ -1,0 +1,182 @@
+"""How a ship steers by its file: gains, lever arms, steady turns and the loop."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
+from trainer.config.vessel import VesselFile
+from trainer.identify.nomoto import Levers, Nomoto, load_nomoto
+from trainer.identify.nonlinear import Bent
+from trainer.identify.steering import steering
+from trainer.units import DEGREE, KNOT
+
+HELMS: Final = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # [deg] of the table of steady turns
+CURVE: Final = 201  # points
+UNITS: Final = {"K": "1/s", "T1": "s", "T2": "s", "T3": "s", "K_v": "m/s", "T3v": "s"}
+
+
+class Loop(NamedTuple):
+    """The loop of an unstable ship's spiral, to either side (2.12)."""
+
+    rate_deg_s: float  # at zero helm
+    fold_rate_deg_s: float  # where the ship goes over to the other side
+    fold_helm_deg: float
+
+
+@dataclass(frozen=True)
+class AtSpeed:
+    """How the ship steers at one speed, SI.
+
+    T_imag is of a complex pair T1 and T2.
+    """
+
+    speed_kn: float
+    numbers: dict[str, float]  # by UNITS, and T_imag
+    levers_m: dict[str, float] | None  # of a vessel file
+    helm: tuple[float, float, float]  # [s, s^2, s^3] H(r) of steady turns: 1/K, -kappa, 0
+    neutral_deg: float  # residual helm
+    stable: bool
+    turns_deg_s: tuple[tuple[float, ...], ...]  # by HELMS, all rates that are steady
+    loop: Loop | None
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer steering`` says about a ship."""
+
+    ship: str
+    length_m: float
+    helms_deg: tuple[float, ...]
+    speeds: tuple[AtSpeed, ...]
+
+
+def of_vessel(file: VesselFile, speeds_kn: Sequence[float]) -> Report:
+    """Return how a boat steers at ``speeds_kn``, by its vessel file; roll is left out."""
+    found = []
+    for knots in speeds_kn:
+        ship = steering(file, knots * KNOT)
+        bent = Bent(ship.nomoto.K, 0.0, 0.0, 0.0)
+        found.append(_at_speed(knots, ship.nomoto, bent, ship.levers))
+    return Report(file.name, file.hull.length, HELMS, tuple(found))
+
+
+def of_nomoto(path: Path) -> Report:
+    """Return how a Nomoto ship steers, with kappa or Bech's H(r)."""
+    ship = load_nomoto(path)
+    T1, T2 = complex(ship.T1_s), complex(ship.T2_s)
+    form = Nomoto(ship.K_per_s, T1, T2, ship.T3_s, ship.K_v_m_s or 0.0, ship.T3v_s or 0.0)
+    H = None if ship.H1_s is None else (ship.H1_s, ship.H2_s2 or 0.0, ship.H3_s3 or 0.0)
+    neutral = (ship.neutral_deg or 0.0) * DEGREE
+    bent = Bent(ship.K_per_s, 0.0, 0.0, 0.0, ship.kappa_s2 or 0.0, neutral, H)
+    return Report(ship.name, ship.length_m, HELMS, (_at_speed(ship.speed_kn, form, bent),))
+
+
+def _at_speed(knots: float, form: Nomoto, bent: Bent, arms: Levers | None = None) -> AtSpeed:
+    """Return how a ship of these numbers steers."""
+    numbers = [form.K, form.T1.real, form.T2.real, form.T3, form.K_v, form.T3v]
+    return AtSpeed(
+        speed_kn=knots,
+        numbers=dict(zip(UNITS, map(float, numbers), strict=True)) | {"T_imag": form.T1.imag},
+        levers_m=None if arms is None else _named(arms),
+        helm=bent.curve,
+        neutral_deg=bent.delta_0 / DEGREE,
+        stable=form.T1.real > 0.0,
+        turns_deg_s=tuple(
+            tuple(rate / DEGREE for rate in bent.rates(helm * DEGREE)) for helm in HELMS
+        ),
+        loop=_loop(bent),
+    )
+
+
+def _named(arms: Levers) -> dict[str, float]:
+    """Return the lever arms by the names that a fit has for them."""
+    names = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")
+    return dict(zip(names, arms, strict=True))
+
+
+def _loop(bent: Bent) -> Loop | None:
+    """Return the loop in degrees, None of a ship without one."""
+    found = bent.loop
+    return None if found is None else Loop(*(one / DEGREE for one in found))
+
+
+def render(report: Report) -> str:
+    """Return the report as text."""
+    lines = [
+        f"{cut(report.ship, 60)}: steering",
+        f"{INDENT}{report.length_m:g} m; a positive rudder turns to port: K < 0 of a stable ship",
+    ]
+    for one in report.speeds:
+        lines += ["", f"{one.speed_kn:.4g} kn: {_stability(one)}", *_numbers(report, one)]
+        lines += ["", *_turns(report, one)]
+        if one.loop is not None:
+            lines += _loop_lines(one.loop)
+    return "\n".join(lines)
+
+
+def _stability(one: AtSpeed) -> str:
+    """Return in words whether the ship keeps a straight course, and by which margin."""
+    word = "stable" if one.stable else "NOT STABLE"
+    if one.levers_m is None:
+        return f"straight course {word}"
+    return f"straight course {word}, l_r - l_v = {one.levers_m['l_r - l_v']:.4g} m"
+
+
+def _numbers(report: Report, one: AtSpeed) -> list[str]:
+    """Return gains, time constants and lever arms, SI and in lengths and speeds of the ship."""
+    V, L = one.speed_kn * KNOT, report.length_m
+    sizes = {"1/s": V / L, "s": L / V, "m/s": V, "m": L}
+    told = [(name, unit, one.numbers[name]) for name, unit in UNITS.items()]
+    if one.numbers["T_imag"]:
+        told.insert(3, ("T_imag", "s", one.numbers["T_imag"]))
+    told += [(name, "m", value) for name, value in (one.levers_m or {}).items()]
+    rows = [
+        (name, unit, f"{value:.5g}", f"{value / sizes[unit]:.4g}")
+        for name, unit, value in told
+        if value
+    ]
+    for power, value in enumerate(one.helm, 1):
+        if any(one.helm[1:]):
+            unit = "s" if power == 1 else f"s^{power}"
+            rows.append((f"H{power}", unit, f"{value:.5g}", f"{value * (V / L) ** power:.4g}"))
+    return table(("", "unit", "value", "prime"), rows)
+
+
+def _turns(report: Report, one: AtSpeed) -> list[str]:
+    """Return the rates of steady turns by helm, the loop's inner branch among them."""
+    rows = [
+        (f"{helm:g}", "  ".join(f"{rate:+.4f}" for rate in rates))
+        for helm, rates in zip(report.helms_deg, one.turns_deg_s, strict=True)
+    ]
+    return table(("rudder\n[deg]", "steady yaw rates\n[deg/s]"), rows)
+
+
+def _loop_lines(loop: Loop) -> list[str]:
+    """Return the loop in words."""
+    rate, fold_rate, fold = map(figure, loop)
+    return wrap(
+        f"- the spiral has a loop (2.12): amidships the ship turns at {rate} deg/s to either side; "
+        f"it goes over to the other beyond {fold} deg of opposite rudder, from {fold_rate} deg/s"
+    )
+
+
+def panels(report: Report) -> tuple[Panel, ...]:
+    """Return yaw rate over rudder in steady turns, the loop with its inner branch."""
+    curves = tuple(_curve(one) for one in report.speeds)
+    rudder = "rudder, positive to port [deg]"
+    return (Panel("steady turns: the spiral", rudder, "yaw rate [deg/s]", curves, levels=(0.0,)),)
+
+
+def _curve(one: AtSpeed) -> Curve:
+    """Return the rudder (12.1) over all rates that up to the largest of HELMS makes."""
+    bent = Bent(math.nan, 0.0, 0.0, 0.0, delta_0=one.neutral_deg * DEGREE, H=one.helm)
+    most = max(abs(rate) for rates in one.turns_deg_s for rate in rates) * DEGREE
+    rates = np.linspace(-most, most, CURVE)
+    name = f"{one.speed_kn:.4g} kn"
+    return Curve(name, bent.helm(rates) / DEGREE, rates / DEGREE)
