@@ -49,9 +49,8 @@ def test_no_module_lies_beside_a_package_of_its_name() -> None:
 
 
 def test_modules_are_few_and_short() -> None:
-    assert (
-        len(MODULES) <= 462
-    )  # 395 of the house; exercises, own boats, the Python face, a page, records, ships
+    # 395 of the house; exercises, boats, hulls, the Python face, a page, records, ships
+    assert len(MODULES) <= 471
     longest = max(SOURCES, key=lambda path: len(path.read_text(encoding="utf-8").splitlines()))
     assert len(longest.read_text(encoding="utf-8").splitlines()) <= 500, longest
 

@@ -59,6 +59,7 @@ SHORTER = (
     ("--on-time --minutes 10", "--on-time --minutes 0.05"),
     ("--inputs 100000", "--inputs 100"),
     ("bench --all", "bench --footprint"),  # minutes of measuring
+    (r"(trainer estimate (?!new).*)", r"\1 --draws 2"),
     ("trainer bench", "trainer bench --seconds 1"),
     ("--armax --most 5", "--armax --most 2"),
     ("--model 1 --vessel bb2", "--model 1 --vessel bb2 --every 10"),

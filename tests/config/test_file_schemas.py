@@ -19,6 +19,7 @@ from trainer.config.baseline import BASELINE
 CONFIGS = ROOT / "configs"
 FOLDERS = {
     "vessel": "vessels",
+    "hull": "hulls",
     "exercise": "exercises",
     "sea": "seas",
     "casualties": "casualties",
@@ -31,6 +32,7 @@ SHIPPED = [
     if not path.name.endswith(BASELINE)
 ]
 SHIPPED.append(("exercise", CONFIGS / "exercise-skeleton.toml"))
+SHIPPED.append(("hull", CONFIGS / "hull-skeleton.toml"))
 IDENTIFICATION = """
 schema = "identify/1"
 name = "trial"

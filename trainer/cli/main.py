@@ -8,6 +8,7 @@ import click
 
 from trainer import __version__
 from trainer.cli import (
+    estimate,
     export,
     guide,
     identify,
@@ -81,6 +82,7 @@ SECTIONS: Final = {
     "A boat": (
         listings.vessels,
         vessel.vessel,
+        estimate.estimate,
         vessel.check,
         *guide.GUIDING,
         vessel.reduce,

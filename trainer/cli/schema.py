@@ -36,7 +36,7 @@ def _identification() -> dict[str, Any]:
 
 
 SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
-    **{name: _of_config(name) for name in ("vessel", "exercise", "sea", "casualties")},
+    **{name: _of_config(name) for name in ("vessel", "hull", "exercise", "sea", "casualties")},
     "study": _study,
     "identification": _identification,
 }

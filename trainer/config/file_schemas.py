@@ -6,7 +6,7 @@ Editors complete and underline by them. What fits together among keys the reader
 from dataclasses import fields
 from typing import Any
 
-from trainer.config import casualties, sea, vessel
+from trainer.config import casualties, hull, sea, vessel
 from trainer.config.coefficients import AXES, COEFFICIENT, EQUATION_SETS, FACTOR
 from trainer.config.exercise import CASUALTIES, ORDERS, Heading, Initial, Limits
 from trainer.config.reference_crew import RULES, Helmsman, Planesman
@@ -47,6 +47,14 @@ def vessel_schema() -> dict[str, Any]:
     keys |= {"coefficients": coefficients_schema(), "compensation": compensation_schema()}
     keys |= {name: {"description": "for the reader"} for name in vessel.DOCUMENTARY_TABLES}
     return file_schema("vessel", keys, ("fluid", "vessel", "propulsion", "coefficients"))
+
+
+def hull_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a hull file."""
+    keys = {name: record_schema(record, ("note",)) for name, record in hull.TABLES.items()}
+    whole = {"name": described(hull.NAME), **keys, "surfaces": described(hull.SURFACES)}
+    needed = ("name", *hull.NEEDED, "surfaces")
+    return file_schema("hull", {**whole, "note": {"description": "for the reader"}}, needed)
 
 
 def sea_table_schema() -> dict[str, Any]:

@@ -28,6 +28,7 @@ SHIPPED: Final = "configs/"  # what the keys of shipped files begin with
 ABANDONED: Final = frozenset({"configs/terms_2510.toml"})
 OWN: Final = {  # what one of a kind is called, and an example of the user's own
     "exercises": ("exercise", "./drill.toml"),
+    "hulls": ("hull", "./hull.toml"),
     "seas": ("sea", "./storm.toml"),
     "studies": ("study", "./study.toml"),
     "vessels": ("vessel", "./boat.toml"),

@@ -374,7 +374,7 @@ def optional(kind: Kind) -> Any:
     return field(default=None, metadata={"kind": kind})
 
 
-def usual(value: float, kind: Kind) -> Any:
+def usual(value: Any, kind: Kind) -> Any:
     """Return a dataclass field holding ``kind``, or ``value`` where the file does not say."""
     return field(default=value, metadata={"kind": kind})
 

@@ -52,6 +52,7 @@ DOCUMENTARY_TABLES = (
     "calibration",
     "derived",
     "reduction",
+    "estimate",
     "terms",
     "validity",
     "errata",

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.analysis.sweep.records import Sample, Vary
+from trainer.analysis.sweep.records import ESTIMATE, Sample, Vary
 from trainer.core.elementary import logarithm
 from trainer.core.kernel import Numbers, kernel
 from trainer.core.noise import uniform
@@ -147,9 +147,12 @@ class Draws:
         return {row.name: of_shares(row, self._shares(row.name, first, count)) for row in self.rows}
 
     def middle(self) -> dict[str, Any]:
-        """Return the middle of each variable, with which a study is tried."""
+        """Return the middle of each variable, of draws the estimate. A study is tried with it."""
         half = np.array([0.5])
-        return {row.name: of_shares(row, half).tolist()[0] for row in self.rows}
+        return {
+            row.name: 0 if row.distribution == ESTIMATE else of_shares(row, half).tolist()[0]
+            for row in self.rows
+        }
 
     def _shares(self, name: str, first: int, count: int) -> Numbers:
         """Return how far up its distribution each member is in a variable, between 0 and 1."""
@@ -179,6 +182,8 @@ def of_shares(row: Vary, shares: Numbers) -> NDArray[Any]:
     if row.values is not None:
         places = np.minimum((shares * len(row.values)).astype(int), len(row.values) - 1)
         return np.asarray(list_values(row.values)[places])
+    if row.distribution == ESTIMATE:
+        return np.asarray(1 + (shares * (SEEDS - 1.0)).astype(np.int64))  # numbers of draws
     if row.distribution == "normal":
         deviates = np.empty(len(shares))
         fill_normals(shares, deviates)

@@ -204,7 +204,10 @@ class Manoeuvring:
         """Return whether nothing but coefficients varies, and none that has to fit the hull."""
         keys = [variable.steps for variable in self.study.variables]
         return all(
-            steps[0] == "vessel" and steps[1] in LIMITS and steps[-1] not in CHECKED
+            len(steps) > 1
+            and steps[0] == "vessel"
+            and steps[1] in LIMITS
+            and steps[-1] not in CHECKED
             for steps in keys
         )
 

@@ -23,6 +23,7 @@ from trainer.config.schema import (
 MOST_MEMBERS: Final = 10_000_000
 MOST_VALUES: Final = 10_000
 BIG: Final = 1e12
+ESTIMATE: Final = "estimate"  # a distribution: draws of all coefficients together
 WHOLE: Final = 2**49  # seeds are below it
 
 
@@ -245,7 +246,10 @@ class Vary:
     key: str = of(Text(200, "what it changes, such as vessel.coefficients.N_v"))
     values: tuple[Any, ...] | None = optional(Values(MOST_VALUES, "the numbers, or words"))
     distribution: str | None = optional(
-        Choice(("uniform", "normal", "triangular"), "instead of values")
+        Choice(
+            ("uniform", "normal", "triangular", ESTIMATE),
+            "instead of values; estimate: whole draws of a boat of `trainer estimate`, key vessel",
+        )
     )
     low: float | None = optional(Quantity("key's", within(-BIG, BIG), "of uniform, triangular"))
     high: float | None = optional(Quantity("key's", within(-BIG, BIG), "of uniform, triangular"))

@@ -5,8 +5,10 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Final
 
+from trainer.analysis.estimate.uncertainty import Estimate, drawn_tables, filed_estimate
 from trainer.analysis.sweep.draws import GRID, Draws
 from trainer.analysis.sweep.records import (
+    ESTIMATE,
     PARAMETERS,
     VARIED,
     Heading,
@@ -57,7 +59,9 @@ OF: Final[Mapping[str | None, tuple[str, ...]]] = {  # keys of [[vary]] that say
     "uniform": ("low", "high"),
     "normal": ("mean", "std"),
     "triangular": ("low", "mode", "high"),
+    ESTIMATE: (),
 }
+WHOLE: Final = "vessel"  # the key of draws of an estimate
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,7 @@ class Variable:
     row: Vary
     steps: tuple[Step, ...]
     base: float | None  # what its factors are of; None: it takes the place
+    estimate: Estimate | None = None  # what the value is a draw of
 
     def value(self, drawn: Any) -> Any:
         """Return what takes the place."""
@@ -89,7 +94,12 @@ class Study:
     def varied(self, drawn: Mapping[str, Any]) -> Any:
         """Return the tables with the numbers of one member in them."""
         tables: Any = self.tables
-        for variable in self.variables:
+        for variable in sorted(self.variables, key=lambda each: each.estimate is None):
+            if variable.estimate is not None:
+                number = int(drawn[variable.row.name])
+                vessel = drawn_tables(variable.estimate, tables["vessel"], number)
+                tables = {**tables, "vessel": vessel}
+                continue
             tables = change_value(tables, variable.steps, variable.value(drawn[variable.row.name]))
         return tables
 
@@ -242,12 +252,24 @@ def _variables(parts: Mapping[str, Any], place: Place) -> tuple[Variable, ...]:
     for i, row in enumerate(parts["rows"]):
         inside = place.inside(f"vary[{i}]")
         try:
-            found.append(_variable(row, parts["tables"], ROOTS[parts["kind"]], inside))
+            found.append(_drawn_or_one(row, parts, inside))
         except ConfigError as wrong:
             problems += wrong.problems
     if problems:
         raise ConfigError(*problems)
     return tuple(found)
+
+
+def _drawn_or_one(row: Vary, parts: Mapping[str, Any], place: Place) -> Variable:
+    """Return draws of an estimated boat, or one number that varies; ConfigError."""
+    if row.distribution != ESTIMATE:
+        return _variable(row, parts["tables"], ROOTS[parts["kind"]], place)
+    if parts["file"] is None or row.key != WHOLE:
+        told = f"must be {WHOLE}: an estimate is drawn whole, of a boat"
+        raise ConfigError(place.wrong("key", row.key, told))
+    if row.relative:
+        raise ConfigError(place.wrong("relative", row.relative, "an estimate has no factor"))
+    return Variable(row, (WHOLE,), None, filed_estimate(parts["file"], parts["tables"][WHOLE]))
 
 
 def _variable(row: Vary, tables: Tables, roots: tuple[str, ...], place: Place) -> Variable:

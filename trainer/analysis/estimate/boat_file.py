@@ -1,0 +1,478 @@
+"""The vessel file of an estimated boat: every number with its unit and its basis."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Final
+
+from trainer import __version__
+from trainer.analysis.check import EQUATIONS, round_speeds
+from trainer.analysis.estimate.coefficients import (
+    PLATE,
+    Hull,
+    cross_flow_drag,
+    hull_of,
+    on_both,
+    plate_mass,
+    resistance,
+    revolutions,
+    strip_masses,
+)
+from trainer.analysis.estimate.geometry import integral, panels_of_surface
+from trainer.analysis.estimate.uncertainty import Estimate, estimate, outside, rests, thrust_of
+from trainer.analysis.gains import design
+from trainer.boat.assemble import Method, scheme_record
+from trainer.boat.boat import Boat
+from trainer.boat.stability import responses, stable_at
+from trainer.config.coefficients import AXES
+from trainer.config.files import ConfigError, format_key, path_named
+from trainer.config.hull import BOW, RUDDER, STERN, X, defaulted, load_hull
+from trainer.config.vessel import VesselFile, parse_vessel
+from trainer.config.vessel_template import toml_value
+from trainer.core.kernel import Numbers
+from trainer.core.terms import COEFFICIENTS, TABLE
+from trainer.units import KNOT
+
+GRAVITY: Final = 9.81  # [m/s2]
+ROLL_RADIUS, PITCH_RADIUS = 0.36, 0.25  # [breadths], [lengths]: BB2 0.358, 0.251
+STABILITY: Final = 0.05  # [heights] of the centre of buoyancy above that of gravity
+RATE: Final = 7.1  # [deg/s] of planes of a boat of 70 m
+LIKE: Final = 70.0  # [m] the boat whose times are scaled
+DEAD_TIME, TIME_CONSTANT = 3.0, 6.0  # [s] of its engine; own estimates
+BELLS: Final = {  # shares of the design speed; own estimates
+    "ahead_one_third": 0.4,
+    "ahead_two_thirds": 0.7,
+    "ahead_standard": 0.85,
+    "ahead_full": 1.0,
+    "ahead_flank": 1.2,
+    "astern_one_third": -0.25,
+    "astern_two_thirds": -0.4,
+    "astern_full": -0.6,
+}
+SLOWEST, FASTEST = 0.4, 1.2  # [design speeds] between which gains are made
+STEPS: Final = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002)  # [s] tried, the longest first
+FINE: Final = 0.1  # lengths run in a step, at most
+STRIPS: Final = 7  # of the hull in waves
+WIDE_STRIPS: Final = 5  # of the hull beyond the range of the coefficients
+DEPTH: Final = 0.85  # [lengths] of the start
+SHALLOWEST: Final = 5.0  # [m] of it
+FIRST: Final = "schema"  # the key that a vessel file begins with
+
+
+MASS_SLACK: Final = 0.3  # of the mass against the displaced
+
+
+def load(name_or_path: str) -> Hull:
+    """Return a shipped hull by its name, or that of a file; ConfigError."""
+    return checked(hull_of(load_hull(path_named(name_or_path, "hulls"))))
+
+
+def checked(hull: Hull) -> Hull:
+    """Return the hull; ConfigError with all that its shape and its panels forbid."""
+    problems = [*_mass_problems(hull), *_panel_problems(hull), *_propeller_problems(hull)]
+    if problems:
+        raise ConfigError(*problems)
+    return hull
+
+
+def _mass_problems(hull: Hull) -> Iterator[str]:
+    """Yield what keeps the mass from being that of this hull."""
+    given, displaced = hull.file.mass.mass, hull.file.water.rho * hull.shape.volume
+    if given is not None and abs(given / displaced - 1.0) > MASS_SLACK:
+        told = (
+            f"must be rho V = {displaced:.6g} kg within {MASS_SLACK:.0%}, "
+            f"{(1.0 - MASS_SLACK) * displaced:.6g} to {(1.0 + MASS_SLACK) * displaced:.6g} kg"
+        )
+        yield hull.file.place.inside("mass").wrong("mass", given, told)
+
+
+def _panel_problems(hull: Hull) -> Iterator[str]:
+    """Yield which panels lie inside the hull, or move more than they have."""
+    for i, surface in enumerate(hull.file.surfaces):
+        place = hull.file.place.inside(f"surfaces[{i}]")
+        panel = next(each for each in panels_of_surface(surface, hull.shape))
+        if panel.span <= 0.0:
+            told = f"must be above the hull's radius there, {panel.root:.4g} m"
+            yield place.wrong("tip_radius", surface.tip_radius, told)
+        elif surface.moving_area is not None and surface.moving_area > panel.area * (1.0 + 1e-9):
+            told = f"must be at most the panel's area, {panel.area:.4g} m2"
+            yield place.wrong("moving_area", surface.moving_area, told)
+
+
+def _propeller_problems(hull: Hull) -> Iterator[str]:
+    """Yield what keeps the propeller from driving this hull."""
+    p = hull.file.propeller
+    if p is None:
+        return
+    place = hull.file.place.inside("propeller")
+    widest = float(max(hull.shape.breadth.max(), hull.shape.height.max()))
+    if p.diameter > widest:
+        told = f"must be at most the hull's greatest breadth, {widest:.4g} m"
+        yield place.wrong("diameter", p.diameter, told)
+    elif revolutions(hull, resistance(hull)) is None:
+        told = "no revolutions give the thrust that the hull needs; usual is [0.45, -0.36, -0.09]"
+        yield place.wrong("KT", list(p.KT), told)
+
+
+def digits(value: float) -> float:
+    """Return a number to six digits."""
+    return float(f"{value:.6g}") + 0.0
+
+
+def mass_of(hull: Hull) -> float:
+    """Return the boat's mass [kg], neutral where the file gives none."""
+    given = hull.file.mass.mass
+    return hull.file.water.rho * hull.shape.volume if given is None else given
+
+
+def estimate_of(hull: Hull) -> Estimate:
+    """Return the estimate of a hull with its own mass."""
+    return estimate(hull, mass_of(hull))
+
+
+def boat_tables(made: Estimate) -> dict[str, Any]:
+    """Return the tables of the vessel, without gains."""
+    hull, drawn = made.hull, made.values
+    return {
+        FIRST: "gertler-hagen-2510/1",
+        "name": hull.file.name,
+        "kind": "estimated from its drawing",
+        "fluid": {"rho": hull.file.water.rho, "g": GRAVITY},
+        "vessel": _body(made),
+        "propulsion": _propulsion(made),
+        "control_surfaces": _surfaces(hull),
+        "envelope": _envelope(made),
+        "run": _run(hull, STEPS[0]),
+        **_waves(made),
+        "coefficients": {term.key: digits(drawn[term.key]) for term in COEFFICIENTS},
+    }
+
+
+def _body(made: Estimate) -> dict[str, Any]:
+    """Return mass, centres and inertia; the origin is on the axis, abeam of the CG."""
+    hull, mass, given = made.hull, made.mass, made.hull.file.mass
+    s = hull.shape
+    breadth, height = float(s.breadth.max()), float(s.height.max())
+    above = STABILITY * height if given.cb_above_cg is None else given.cb_above_cg
+    pitch = mass * (PITCH_RADIUS * hull.ell) ** 2 if given.Iy is None else given.Iy
+    table: dict[str, Any] = {
+        "length": hull.ell,
+        "mass": mass,
+        "weight": mass * GRAVITY,
+        "buoyancy": mass * GRAVITY,
+        "cg": [0.0, 0.0, digits(given.cg_below_axis)],
+        "cb": [0.0, 0.0, digits(given.cg_below_axis - above)],
+        "Ix": mass * (ROLL_RADIUS * breadth) ** 2 if given.Ix is None else given.Ix,
+        "Iy": pitch,
+        "Iz": pitch if given.Iz is None else given.Iz,
+        "beam": breadth,
+        "cg_from_nose": s.x_G,
+    }
+    return {key: each if isinstance(each, list) else digits(each) for key, each in table.items()}
+
+
+def _propulsion(made: Estimate) -> dict[str, Any]:
+    """Return thrust rows, engine and bells."""
+    hull, p = made.hull, made.hull.file.propeller
+    design, scale = hull.file.speed.design_kn, math.sqrt(hull.ell / LIKE)
+    table: dict[str, Any] = {}
+    turns = revolutions(hull, resistance(hull))
+    if p is not None and turns is not None:
+        table = {
+            "rps_per_mps": digits(turns),
+            "propeller_diameter": p.diameter,
+            "KT": [*p.KT],
+            "KQ": [*p.KQ],
+        }
+    rows = [{k: digits(x) for k, x in row.items()} for row in thrust_of(made.values)]
+    for row in rows:  # the sum is zero to the last bit, and the rows join
+        row["a"] = -(rows[0]["b"] + rows[0]["c"])
+    return {
+        **table,
+        "dead_time_s": digits(DEAD_TIME * scale),
+        "time_constant_s": digits(TIME_CONSTANT * scale),
+        "max_ordered_speed_kn": digits(FASTEST * design),
+        "bells_kn": {name: digits(share * design) for name, share in BELLS.items()},
+        "sets": rows,
+    }
+
+
+def _surfaces(hull: Hull) -> dict[str, Any]:
+    """Return the limits of rudder and planes."""
+    given = hull.file.controls
+    kinds = {panel.control for panel in hull.panels}
+    rate = RATE * math.sqrt(LIKE / hull.ell) if given.rate_deg_s is None else given.rate_deg_s
+    return {
+        "rudder_limit_deg": given.limit_deg,
+        "stern_plane_limit_deg": given.limit_deg,
+        "bow_plane_limit_deg": given.limit_deg if BOW in kinds else 0.0,
+        "rate_deg_s": digits(min(rate, 1000.0)),
+        "time_constant_s": 0.0,
+        "tail": "x" if X in kinds else "cruciform",
+    }
+
+
+def _envelope(made: Estimate) -> dict[str, Any]:
+    """Return what moves the boat beyond the range of its coefficients."""
+    hull, s, c = made.hull, made.hull.shape, made.values
+    drag = cross_flow_drag(hull) / s.ell**2
+    tail = [panel for panel in hull.panels if panel.aft]
+    sails = [panel for panel in hull.panels if panel.sail]
+    shares = _hull_shares(made)
+    table: dict[str, Any] = {
+        "hull_share_horizontal": digits(min(1.0, shares[0] / abs(c["Y_v"]))),
+        "hull_share_vertical": digits(min(1.0, shares[1] / abs(c["Z_w"]))),
+        "strip_width": [digits(width) for width in _strip_widths(hull)],
+        "crossflow_y": digits(drag * integral(s.height, s.x)),
+        "crossflow_z": digits(drag * integral(s.breadth, s.x)),
+    }
+    if tail:
+        at = sum(p.area * p.place(0.5) for p in tail) / sum(p.area for p in tail)
+        table["tail_place"] = digits(max(at / s.ell, -0.6))
+        for key, axis in (("tail_y", 0), ("tail_z", 1)):
+            table[key] = digits(PLATE * sum(p.area * abs(p.normal[axis]) for p in tail) / s.ell**2)
+    if sails:
+        area = sum(p.area for p in sails)
+        at, up = (
+            sum(p.area * x for p, x in zip(sails, each, strict=True)) / area
+            for each in ([p.place(0.5) for p in sails], [p.arm * p.normal[0] for p in sails])
+        )
+        mass = sum(plate_mass(p) * on_both(p.radius_ratio) * p.normal[0] ** 2 for p in sails)
+        table |= {
+            "sail_place": [digits(at), digits(-up)],
+            "sail_y": digits(PLATE * area / s.ell**2),
+            "sail_added_mass": digits(hull.file.water.rho * mass),
+        }
+    return table
+
+
+def _hull_shares(made: Estimate) -> tuple[float, float]:
+    """Return what the bare hull has [-] of Y_v and Z_w."""
+    bare = Hull(made.hull.file, made.hull.shape, ())
+    c = estimate(bare, made.mass).values
+    return abs(c["Y_v"]), abs(c["Z_w"])
+
+
+def _strip_widths(hull: Hull) -> list[float]:
+    """Return the breadths of five equal strips from aft [-], over their mean."""
+    s = hull.shape
+    edges = [s.length * (1.0 - i / WIDE_STRIPS) for i in range(WIDE_STRIPS + 1)]
+    means = [_between(hull, s.breadth, fore, aft) / (aft - fore) for aft, fore in pairwise(edges)]
+    return [WIDE_STRIPS * each / sum(means) for each in means]
+
+
+def _between(hull: Hull, values: Numbers, fore: float, aft: float) -> float:
+    """Return an integral of one of the hull's numbers from ``fore`` to ``aft`` [m]."""
+    s = hull.shape
+    inside = (s.x >= fore) & (s.x <= aft)
+    return integral(values[inside], s.x[inside])
+
+
+def _run(hull: Hull, step: float) -> dict[str, Any]:
+    """Return step, start and speeds."""
+    design = hull.file.speed.design_kn
+    return {
+        "step_s": step,
+        "start_speed_kn": design,
+        "start_depth_m": digits(max(SHALLOWEST, round(DEPTH * hull.ell))),
+        "speed_range_kn": [digits(SLOWEST * design), digits(FASTEST * design)],
+    }
+
+
+def _waves(made: Estimate) -> dict[str, Any]:
+    """Return the strips that waves push on, if the hull floats where its weight is."""
+    hull, s = made.hull, made.hull.shape
+    if abs(s.centroid - s.x_G) > 0.004 * s.ell:
+        return {}
+    across, down = strip_masses(s)
+    edges = [s.length * i / STRIPS for i in range(STRIPS + 1)]
+    parts = list(pairwise(edges))
+    volumes = [_between(hull, s.area, *part) for part in parts]
+    per = made.mass / sum(volumes)
+    k3 = 0.5 * hull.file.water.rho * s.ell**3
+    added = {}
+    for key, coefficient, widths in (
+        ("added_down_kg", "Z_wdot", down),
+        ("added_side_kg", "Y_vdot", across),
+    ):
+        own = [_between(hull, widths, *part) for part in parts]
+        whole = -k3 * made.values[coefficient]
+        added[key] = [digits(whole * each / sum(own)) for each in own]
+    places = [
+        s.x_G - _between(hull, s.area * s.x, *part) / volume
+        for part, volume in zip(parts, volumes, strict=True)
+    ]
+    return {
+        "wave_strips": {
+            "x_m": [digits(x) for x in places],
+            "displaced_kg": [digits(per * volume) for volume in volumes],
+            **added,
+        }
+    }
+
+
+def _documentation(made: Estimate) -> dict[str, Any]:
+    """Return the table [estimate]: what draws need, and what the reader should know."""
+    return {
+        "by": f"trainer estimate, version {__version__}",
+        "outside": [*outside(made.hull)],
+        "defaulted": [*defaulted(made.hull.file)],
+        "covariance": [[digits(x) for x in row] for row in made.covariance.tolist()],
+        "constants": {name: digits(x) for name, x in made.constants.items()},
+        "sd": {term.key: float(f"{made.sd[term.key]:.3g}") for term in TABLE},
+        "hull": dict(made.hull.file.tables),
+    }
+
+
+def _lines(name: str, table: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a table, its values first, then the tables in it."""
+    inner = {k: x for k, x in table.items() if isinstance(x, Mapping) or _is_rows(x)}
+    yield from ("", f"[{name}]")
+    for key, value in table.items():
+        if key not in inner:
+            yield from _value_lines(key, value)
+    for key, value in inner.items():
+        where = f"{name}.{format_key(key)}"
+        if isinstance(value, Mapping):
+            yield from _lines(where, value)
+            continue
+        for row in value:
+            yield from ("", f"[[{where}]]")
+            yield from (f"{format_key(k)} = {toml_value(x)}" for k, x in row.items())
+
+
+def _value_lines(key: str, value: Any) -> Iterator[str]:
+    """Yield a value; a list of lists has a row a line."""
+    if isinstance(value, list) and value and isinstance(value[0], list):
+        yield f"{format_key(key)} = ["
+        yield from (f"  {toml_value(row)}," for row in value)
+        yield "]"
+    else:
+        yield f"{format_key(key)} = {toml_value(value)}"
+
+
+def _is_rows(value: object) -> bool:
+    return isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
+
+
+def _coefficient_lines(made: Estimate, values: Mapping[str, float]) -> Iterator[str]:
+    """Yield the coefficients by axis, each with its deviation and what it rests on."""
+    for axis in AXES:
+        yield from ("", f"[coefficients.{axis}]")
+        for term in COEFFICIENTS:
+            if term.equation == axis:
+                sd = f"sd {made.sd[term.key]:.2g}"
+                note = f"# L^{term.power}, {sd}; {rests()[term.key]}"
+                yield f"{term.key} = {values[term.key]!r}   {note}"
+
+
+HEAD: Final = """\
+# {name}: estimated from the drawing of its hull by `trainer estimate`, version {version}.
+# Nothing here is measured. docs/own-hull.md says how it was made and how far it may be trusted.
+# Body axes: x forward, y starboard, z down; the origin on the hull's axis, abeam of the centre of
+# gravity. Each coefficient has its standard deviation (sd) and what it rests on."""
+
+
+def boat_text(made: Estimate, tables: Mapping[str, Any]) -> str:
+    """Return the vessel file of an estimate, without gains."""
+    lines = HEAD.format(name=made.hull.file.name, version=__version__).splitlines()
+    for key, value in tables.items():
+        if key == "coefficients":
+            lines += _coefficient_lines(made, value)
+        elif isinstance(value, Mapping):
+            lines += _lines(key, value)
+        else:
+            lines.append(f"{key} = {toml_value(value)}")
+    return "\n".join([*lines, *_lines("estimate", _documentation(made))]) + "\n"
+
+
+@dataclass(frozen=True)
+class Written:
+    """A boat as it is written, and what there is to say about it."""
+
+    made: Estimate
+    text: str
+    file: VesselFile
+    lacks: tuple[str, ...]  # what it could not be given, in words
+
+
+def write_boat(hull: Hull, path: Path) -> Written:
+    """Return the boat of a hull, with a step and gains; ConfigError without one."""
+    made = estimate_of(hull)
+    tables = boat_tables(made)
+    steps = stable_steps(parse_vessel(boat_text(made, tables), path))
+    tables["run"] = _run(hull, steps[0] if steps else STEPS[-1])
+    problem = _no_control(hull) or (
+        "" if steps else f"no step of {STEPS[-1]:g} s or longer is stable"
+    )
+    for step in [] if problem else steps:
+        with_step = {**tables, "run": _run(hull, step)}
+        try:
+            gains = design(parse_vessel(boat_text(made, with_step), path))
+            text = boat_text(made, {**with_step, "autopilot": gains})
+            return Written(made, text, parse_vessel(text, path), ())
+        except ConfigError as wrong:
+            problem = problem or wrong.problems[0]
+    text = boat_text(made, tables)
+    return Written(made, text, parse_vessel(text, path), (problem,))
+
+
+def _no_control(hull: Hull) -> str:
+    """Return which plane nothing steers in, in words, "" if there is none."""
+    kinds = {panel.control for panel in hull.panels}
+    lacking = [name for name in (RUDDER, STERN) if not {name, X} & kinds]
+    return f"no panel has control = {' or '.join(lacking)}" if lacking else ""
+
+
+def stable_steps(file: VesselFile) -> list[float]:
+    """Return the steps [s] that are stable by all equation sets, the longest first."""
+    speeds = [speed * KNOT for speed in round_speeds(*file.run.speed_range_kn)]
+    flights, schemes = [], []
+    for equations in EQUATIONS:
+        method = Method(equations, "lagged", "exact", "adams2", file.run.step_s)
+        flights.append(responses(Boat(file, method), speeds).values())
+        schemes.append(scheme_record(method))
+    most = FINE * file.hull.length / (file.run.start_speed_kn * KNOT)
+    return [
+        step
+        for step in STEPS
+        if step <= max(most, STEPS[-1])
+        and all(
+            stable_at(flown, scheme, step) for flown, scheme in zip(flights, schemes, strict=True)
+        )
+    ]
+
+
+STUDY: Final = """\
+# Bands of a turn: draws of all coefficients of an estimated boat. Any other manoeuvre, or an
+# exercise, may stand in the place of the turn: docs/sweeps.md.
+schema = "sweep/1"
+name = "Turns of an estimated boat"
+vessel = {boat}
+measures = ["advance", "tactical diameter", "steady diameter"]
+
+[method]
+equations = "full"
+
+[manoeuvre]
+name = "turning-circle"
+angle_deg = {rudder:g}
+
+[sample]
+plan = "monte-carlo"
+members = 200
+seed = 1
+
+[[vary]]
+name = "draw"
+key = "vessel"
+distribution = "estimate"
+"""
+
+
+def study_text(boat: str, rudder: float) -> str:
+    """Return a study of turns of draws of a boat; ``rudder`` in degrees."""
+    name = boat if "/" in boat else f"./{boat}"
+    return STUDY.format(boat=toml_value(name), rudder=rudder)

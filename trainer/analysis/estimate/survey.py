@@ -1,0 +1,374 @@
+"""An estimated boat in figures: margins, critical speeds, a turn with bands, influences."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.analysis.check import critical_speed, flights, margins
+from trainer.analysis.estimate.boat_file import (
+    STABILITY,
+    Written,
+    boat_tables,
+    estimate_of,
+    mass_of,
+)
+from trainer.analysis.estimate.coefficients import cross_flow_drag, hull_of
+from trainer.analysis.estimate.uncertainty import drawn_tables, outside
+from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.submarine import Rig, Submarine
+from trainer.analysis.manoeuvres.turns import Turn
+from trainer.boat.assemble import Method
+from trainer.config.files import ConfigError, parse_toml
+from trainer.config.hull import TABLES, HullFile, Panels, defaulted, read_hull
+from trainer.config.vessel import VesselFile, read_vessel
+from trainer.units import KNOT
+
+MEASURES: Final = ("steady diameter", "tactical diameter", "advance", "steady speed, of the first")
+BANDS: Final = {"68 %": (16.0, 84.0), "95 %": (2.5, 97.5)}
+HALF: Final = 0.5  # of the limit, the rudder in the turn
+RUN: Final = 60.0  # [lengths] of the turn, at its first speed
+LONGEST: Final = 20_000  # [ticks] of it, at any step
+SHORTEST: Final = 10.0  # [s]
+CHANGE: Final = 0.1  # of an input, up and down
+SHIFT: Final = 0.01  # [lengths] of a place, aft and forward
+PLACES: Final = ("le_root", "cg_from_nose")  # what is shifted
+FOLLOWS: Final = {"le_root": "le_tip"}  # what is shifted with it
+NOT_VARIED: Final = ("reference_length", "le_tip", "design_kn", "length", "rho", "nu")
+MOST_INPUTS: Final = 10
+REVERSAL: Final = 0.7  # of the design speed: a stern plane reversal above it is told
+SLACK: Final = 0.02  # of the mass against the displaced
+
+
+@dataclass(frozen=True)
+class Band:
+    """One figure: its estimate, and where draws of it lie."""
+
+    name: str
+    unit: str
+    value: float | None
+    bands: dict[str, tuple[float, float] | None]  # by per cent
+
+
+@dataclass(frozen=True)
+class Influence:
+    """The effect of one input on the steady diameter of the turn."""
+
+    key: str
+    value: float
+    unit: str
+    change: str  # how far it was moved, in words
+    down: float | None  # [-] of the diameter, the input lower
+    up: float | None
+
+    @property
+    def size(self) -> float:
+        """Return the larger effect [-]."""
+        return max(abs(each) for each in (self.down or 0.0, self.up or 0.0))
+
+
+@dataclass(frozen=True)
+class Survey:
+    """All that ``trainer estimate`` says about a boat."""
+
+    vessel: str
+    path: str
+    mass_kg: float
+    displaced_kg: float
+    step_s: float
+    limit_deg: float  # of rudder and planes
+    rate_deg_s: float
+    margins: tuple[Band, ...]
+    critical_speed_kn: dict[str, float | None]
+    roll_period_s: float | None
+    speed_kn: float
+    rudder_deg: float
+    turn: tuple[Band, ...]
+    draws: int
+    flown: int  # draws that could fly the turn
+    influences: tuple[Influence, ...]
+    defaulted: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+def survey(written: Written, draws: int) -> Survey:
+    """Return what there is to say about a boat, with ``draws`` of its coefficients."""
+    file, hull = written.file, written.made.hull
+    turns = fly_turns([file, *_drawn_files(written, draws)], half_rudder(file))
+    drawn = [written.made.draw(number) for number in range(1, draws + 1)]
+    rudder = math.degrees(half_rudder(file))
+    turn = tuple(_turn_bands(turns))
+    bands = tuple(_margin_bands(file, drawn))
+    critical = {plane: critical_speed(file, plane) for plane in ("stern", "bow")}
+    own = {name: None if speed is None else speed / KNOT for name, speed in critical.items()}
+    return Survey(
+        vessel=file.name,
+        path=str(file.path),
+        mass_kg=file.hull.mass,
+        displaced_kg=hull.file.water.rho * hull.shape.volume,
+        step_s=file.run.step_s,
+        limit_deg=file.surfaces.rudder_limit_deg,
+        rate_deg_s=file.surfaces.rate_deg_s,
+        margins=bands,
+        critical_speed_kn=own,
+        roll_period_s=roll_period(file),
+        speed_kn=file.run.start_speed_kn,
+        rudder_deg=rudder,
+        turn=turn,
+        draws=draws,
+        flown=sum(each is not None for each in turns[1:]),
+        influences=tuple(influences(written, turns[0])),
+        defaulted=defaulted(hull.file),
+        warnings=tuple(warnings(written, own)),
+    )
+
+
+def half_rudder(file: VesselFile) -> float:
+    """Return half the rudder's limit [rad]."""
+    return math.radians(HALF * file.surfaces.rudder_limit_deg)
+
+
+def roll_period(file: VesselFile) -> float | None:
+    """Return the period of roll [s] at the design speed; None without a swing."""
+    (flight,) = flights(file, [file.run.start_speed_kn])
+    periods = [mode.period_s for mode in flight.modes if mode.name.startswith("roll")]
+    return next((period for period in periods if period is not None), None)
+
+
+def _drawn_files(written: Written, draws: int) -> Iterator[VesselFile]:
+    """Yield the boats of draws, with the gains of the estimate."""
+    path = written.file.path
+    tables = parse_toml(written.text, path.name)
+    for number in range(1, draws + 1):
+        yield read_vessel(drawn_tables(written.made, tables, number), written.text, path)
+
+
+def fly_turns(files: Sequence[VesselFile], rudder: float) -> list[dict[str, float] | None]:
+    """Return the measures of each boat's turn, None of one that cannot; ``rudder`` in rad."""
+    return [_fly_turn(file, rudder) for file in files]
+
+
+def _fly_turn(file: VesselFile, rudder: float) -> dict[str, float] | None:
+    """Return the measures of a turn by the full set, None if it cannot be flown."""
+    method = Method("full", "lagged", "exact", "adams2", file.run.step_s)
+    speed = file.run.start_speed_kn * KNOT
+    time = min(RUN * file.hull.length / speed, LONGEST * method.step)
+    turn = Turn(angle_deg=math.degrees(rudder), duration_s=max(time, SHORTEST))
+    boat = Submarine(file, method, Rig("own", "own", "trainer"))
+    try:
+        flight = fly(boat, turn, speed)
+    except ConfigError:
+        return None
+    if flight.lost:
+        return None
+    told = {one.name: one.value for one in turn.measures(flight)}
+    return {name: value for name in MEASURES if (value := told[name]) is not None}
+
+
+def _band(name: str, unit: str, value: float | None, drawn: Sequence[float]) -> Band:
+    """Return a figure with the bands of draws of it."""
+    there = np.array([each for each in drawn if math.isfinite(each)])
+    bands: dict[str, tuple[float, float] | None] = dict.fromkeys(BANDS)
+    if len(there) > 1:
+        for band, ends in BANDS.items():
+            low, high = np.percentile(there, ends)
+            bands[band] = (float(low), float(high))
+    return Band(name, unit, value, bands)
+
+
+def _margin_bands(file: VesselFile, drawn: Sequence[Mapping[str, float]]) -> Iterator[Band]:
+    """Yield both margins of stability."""
+    mass = file.hull.mass / (0.5 * file.fluid.rho * file.hull.length**3)
+    for name, value in margins(file).items():
+        yield _band(name, "-", value, [_margin(c, mass, name) for c in drawn])
+
+
+def _margin(c: Mapping[str, float], mass: float, name: str) -> float:
+    """Return one margin [-] of a draw."""
+    if name == "Gv":
+        above, below = c["M_w"] * (c["Z_q"] + mass), c["Z_w"] * c["M_q"]
+    else:
+        above, below = c["N_v"] * (c["Y_r"] - mass), c["Y_v"] * c["N_r"]
+    return 1.0 - above / below if below else math.nan
+
+
+def _turn_bands(turns: Sequence[dict[str, float] | None]) -> Iterator[Band]:
+    """Yield the figures of the turn, the estimate first."""
+    own = turns[0] or {}
+    for name in MEASURES:
+        drawn = [each[name] for each in turns[1:] if each is not None and name in each]
+        yield _band(name, "m" if name[0] != "s" or "dia" in name else "-", own.get(name), drawn)
+
+
+@dataclass(frozen=True)
+class Input:
+    """A number of a hull file that can be changed."""
+
+    key: str
+    unit: str
+    steps: tuple[str | int, ...]
+    value: float
+    place: bool  # shifted, not scaled
+
+
+def inputs_of(file: HullFile) -> list[Input]:
+    """Return the numbers of a hull, those in use that the file leaves out too."""
+    hull = hull_of(file)
+    used = {
+        ("mass", "mass"): mass_of(hull),
+        ("mass", "cg_from_nose"): hull.shape.x_G,
+        ("mass", "cb_above_cg"): STABILITY * float(hull.shape.height.max()),
+        ("speed", "cross_flow_drag"): cross_flow_drag(hull),
+    }
+    found = []
+    for table, record in TABLES.items():
+        if table == "propeller" and file.propeller is None:
+            continue
+        given = file.tables.get(table, {})
+        found += list(_inputs(record, given, (table,), used))
+    if file.form.stations:
+        found += [
+            Input(f"hull.stations, {name}", "m", ("stations", k), 1.0, place=False)
+            for k, name in ((1, "breadth"), (2, "height"))
+        ]
+    for i, row in enumerate(file.tables["surfaces"]):
+        found += list(_inputs(Panels, row, ("surfaces", i), {}))
+    return found
+
+
+def _inputs(
+    record: type[Any],
+    given: Mapping[str, Any],
+    steps: tuple[str | int, ...],
+    used: Mapping[tuple[Any, ...], float],
+) -> Iterator[Input]:
+    """Yield the numbers of one table."""
+    for item in fields(record):
+        default = None if item.default is MISSING else item.default
+        where = (*steps, item.name)
+        value = given.get(item.name, used.get(where, default))
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if number and value and item.name not in NOT_VARIED:
+            key = ".".join(str(step) for step in where)
+            if steps[0] == "surfaces":
+                key = f"{given['name']}: {item.name}"
+            unit = item.metadata["kind"].cells[0]
+            yield Input(key, unit, where, float(value), item.name in PLACES)
+
+
+def changed(file: HullFile, one: Input, sign: float) -> HullFile:
+    """Return the hull with one input changed; ConfigError if there is no such hull."""
+    tables: dict[str, Any] = {
+        key: dict(each) if isinstance(each, Mapping) else each for key, each in file.tables.items()
+    }
+    if one.steps[0] == "stations":
+        k = one.steps[1]
+        tables["hull"]["stations"] = [
+            [x * (1.0 + sign * CHANGE) if j == k else x for j, x in enumerate(row)]
+            for row in tables["hull"]["stations"]
+        ]
+        return read_hull(tables, file.path)
+    shift = sign * SHIFT * file.length if one.place else sign * CHANGE * one.value
+    name = str(one.steps[-1])
+    if one.steps[0] == "surfaces":
+        tables["surfaces"] = [dict(row) for row in tables["surfaces"]]
+        table = tables["surfaces"][one.steps[1]]
+    else:
+        table = tables.setdefault(str(one.steps[0]), {})
+    table[name] = one.value + shift
+    follower = FOLLOWS.get(name)
+    if follower in table:
+        table[follower] += shift
+    return read_hull(tables, file.path)
+
+
+def influences(written: Written, turn: dict[str, float] | None) -> list[Influence]:
+    """Return the ten inputs that move the steady diameter most."""
+    own = (turn or {}).get(MEASURES[0])
+    if own is None:
+        return []
+    file, found = written.made.hull.file, []
+    wanted = [(one, sign) for one in inputs_of(file) for sign in (-1.0, 1.0)]
+    boats, flown = [written.file], []
+    for one, sign in wanted:
+        boat = _changed_boat(written, one, sign)
+        if boat is not None:
+            boats.append(boat)
+            flown.append((one, sign))
+    turns = fly_turns(boats, half_rudder(written.file))
+    effect: dict[Input, dict[float, float]] = {}
+    for (one, sign), each in zip(flown, turns[1:], strict=True):
+        if each is not None and MEASURES[0] in each:
+            effect.setdefault(one, {})[sign] = each[MEASURES[0]] / own - 1.0
+    for one, by_sign in effect.items():
+        change = f"{SHIFT * file.length:.3g} m" if one.place else f"{CHANGE:.0%}"
+        found.append(
+            Influence(one.key, one.value, one.unit, change, by_sign.get(-1.0), by_sign.get(1.0))
+        )
+    return sorted(found, key=lambda each: -each.size)[:MOST_INPUTS]
+
+
+def _changed_boat(written: Written, one: Input, sign: float) -> VesselFile | None:
+    """Return the boat of a changed hull, with the gains of the estimate; None without such."""
+    own = parse_toml(written.text, written.file.path.name)
+    try:
+        made = estimate_of(hull_of(changed(written.made.hull.file, one, sign)))
+        tables = boat_tables(made) | {key: own[key] for key in ("run", "autopilot") if key in own}
+        return read_vessel(tables, "", written.file.path)
+    except ConfigError:
+        return None
+
+
+def warnings(written: Written, critical: Mapping[str, float | None]) -> Iterator[str]:
+    """Yield what is unusual about a boat, in words."""
+    file, hull = written.file, written.made.hull
+    displaced = hull.file.water.rho * hull.shape.volume
+    if abs(file.hull.mass / displaced - 1.0) > SLACK:
+        yield (
+            f"[mass] mass = {file.hull.mass:.6g} kg, the hull displaces {displaced:.6g} kg: "
+            "one of them, or the drawing, is wrong"
+        )
+    for told in outside(hull):
+        yield f"outside the range of the method, every sd is doubled: {told}"
+    yield from _unit_warnings(hull.file)
+    planes = {"Gv": "stern planes", "Gh": "rudders"}
+    for name, value in margins(file).items():
+        if value is not None and value < 0.0:
+            yield (
+                f"{name} = {value:.2f}: unstable by itself, needs an autopilot or a helmsman; "
+                f"larger {planes[name]}, or farther aft, would help; or the drawing lacks some"
+            )
+    stern = critical["stern"]
+    if stern is not None and stern > REVERSAL * hull.file.speed.design_kn:
+        yield (
+            f"the stern planes reverse at {stern:.2g} kn, near the design speed: larger "
+            "stern planes, or a centre of buoyancy less high above that of gravity"
+        )
+    if hull.file.mass.cb_above_cg is None:
+        above = STABILITY * float(hull.shape.height.max())
+        yield (
+            f"[mass] cb_above_cg is taken as {above:.3g} m, give or take half: pitch and roll "
+            "depend on it"
+        )
+    if abs(hull.shape.centroid - hull.shape.x_G) > SLACK * hull.shape.length:
+        yield (
+            f"[mass] cg_from_nose = {hull.shape.x_G:.4g} m, the volume's centre is at "
+            f"{hull.shape.centroid:.4g} m: the boat is taken as trimmed level"
+        )
+    for told in written.lacks:
+        yield f"no gains were written: {told}"
+
+
+def _unit_warnings(file: HullFile) -> Iterator[str]:
+    """Yield what looks like another unit."""
+    design, length = file.speed.design_kn, file.form.length
+    froude = design * KNOT / math.sqrt(9.81 * length)
+    if froude > 1.5:
+        yield (
+            f"[speed] design_kn = {design:g} kn is fast for {length:g} m: "
+            "is it in knots, and the length in m?"
+        )
+    if length > 200.0:
+        yield f"[hull] length = {length:g} m: is it in feet? Then it is {0.3048 * length:.4g} m"

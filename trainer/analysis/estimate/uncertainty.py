@@ -1,0 +1,289 @@
+"""How far each coefficient may be trusted, and draws of whole sets.
+
+A draw varies the constants of the method first, by the covariance of their fit, then each
+coefficient by the rest of its standard deviation. Drawn one by one the same deviations would make
+boats that nobody built: N_v, N_r and Y_v move together.
+"""
+
+import math
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.analysis.estimate.coefficients import (
+    Hull,
+    Values,
+    bare_masses,
+    coefficients,
+    hull_of,
+)
+from trainer.analysis.sweep.draws import fill_normals, stream, uniforms
+from trainer.config.files import ConfigError, Place, as_table
+from trainer.config.hull import BOW, read_hull
+from trainer.config.vessel import VesselFile
+from trainer.core.kernel import Numbers
+from trainer.core.terms import TABLE, THRUST
+
+TABLES: Final = Path(__file__).with_name("constants.toml")
+ETA: Final = 0.15  # of its parent, a coefficient of eta
+LINEAR: Final = ("Y_v", "N_v", "Y_r", "N_r", "Z_w", "M_w", "Z_q", "M_q")
+OWN_SHARE: Final = 0.25  # of the deviation of those, beside the constants
+PAIRS: Final = {"N_vdot": "Y_rdot", "M_wdot": "Z_qdot", "Y_pdot": "K_vdot", "N_pdot": "K_rdot"}
+ONE_SIGN: Final = (  # damping, added mass and control effect never change their sign
+    *("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot"),
+    *("Y_v", "N_r", "Z_w", "M_q", "K_p", "K_pap", "Y_vav", "Z_waw", "N_rar", "M_qaq"),
+    *("Y_dr", "N_dr", "Z_ds", "M_ds", "Z_db", "M_db"),
+)
+LEAST: Final = 0.1  # of the estimate is left of them
+NUDGE: Final = 1e-3  # of the logarithm of a constant
+SMALL_CRAFT: Final = 5.0  # [m] below it openings count
+TESTED: Final = {"L/D": (5.0, 12.0), "breadth/height": (0.8, 1.25)}
+AFT: Final = 0.75  # [lengths] tail surfaces lie aft of it
+
+
+@cache
+def tables() -> Mapping[str, Any]:
+    """Return the constants with their covariance, and the rules of the deviations."""
+    return tomllib.loads(TABLES.read_text(encoding="utf-8"))
+
+
+def fitted() -> dict[str, float]:
+    """Return the nine constants that are fitted [-]."""
+    return dict(tables()["fitted"])
+
+
+def outside(hull: Hull) -> tuple[str, ...]:
+    """Return in what a hull is outside the range of the method, in words."""
+    s = hull.shape
+    ratios = {
+        "L/D": s.length / s.diameter,
+        "breadth/height": float(s.breadth.max() / s.height.max()),
+    }
+    found = [
+        f"{name} is {ratios[name]:.3g}, the method is tested from {low:g} to {high:g}"
+        for name, (low, high) in TESTED.items()
+        if not low <= ratios[name] <= high
+    ]
+    found += [
+        f"{panel.name} at {panel.station(0.25) / s.length:.2f} lengths, a tail is aft of {AFT:g}"
+        for panel in hull.panels
+        if panel.control not in ("none", BOW) and panel.station(0.25) < AFT * s.length
+    ]
+    return tuple(dict.fromkeys(found))
+
+
+def _scales(hull: Hull, c: Mapping[str, float], mass: float) -> dict[str, float]:
+    """Return what deviations are shares of [-]."""
+    bare = bare_masses(hull, fitted()["added_mass"])
+    return {
+        **{key: abs(value) for key, value in c.items()},
+        "mass": 2.0 * mass / (hull.file.water.rho * hull.ell**3),
+        "munk_y": bare["X_udot"] - bare["Y_vdot"],
+        "munk_z": bare["X_udot"] - bare["Z_wdot"],
+        "larger": max(abs(c["Y_vdot"]), abs(c["Z_wdot"])),
+        "turning": max(abs(c["N_rdot"]), abs(c["M_qdot"])),
+    }
+
+
+def deviations(hull: Hull, c: Mapping[str, float], mass: float) -> dict[str, float]:
+    """Return the standard deviation [-] of each of the 131 coefficients; ``mass`` in kg."""
+    scales = _scales(hull, c, mass)
+    wide = 2.0 if outside(hull) else 1.0
+    found = {}
+    for rule in tables()["deviation"]:
+        for key in rule["keys"]:
+            size = rule["share"] * scales[rule.get("of", key)]
+            found[key] = wide * (size + rule.get("more", 0.0) * scales[rule.get("unit", "mass")])
+    for term in TABLE:
+        if term.key not in found:
+            found[term.key] = wide * ETA * scales[term.key.removesuffix("_eta")]
+    return found
+
+
+@cache
+def rests() -> dict[str, str]:
+    """Return what each coefficient is made of, in words."""
+    found = {key: rule["rests"] for rule in tables()["deviation"] for key in rule["keys"]}
+    return {term.key: found.get(term.key, "no formula; 15 % of its parent") for term in TABLE}
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """The coefficients of a hull with all that draws of them need."""
+
+    hull: Hull
+    mass: float  # [kg]
+    constants: Mapping[str, float]  # [-] those fitted
+    covariance: Numbers  # of their logarithms
+    values: Mapping[str, float]  # [-] in use: estimated, or put in their place
+    sd: Mapping[str, float]  # [-]
+
+    @cached_property
+    def estimated(self) -> Values:
+        """Return what the formulas give [-]."""
+        return coefficients(self.hull, self.constants)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Return the names of the constants that a draw varies, those fitted first."""
+        loose = (name for name in tables()["unfitted"] if name != "openings")
+        return (*self.constants, *loose)
+
+    @cached_property
+    def root(self) -> Numbers:
+        """Return the matrix that makes normal deviates those of the constants' logarithms."""
+        fit, whole = len(self.constants), np.zeros((len(self.names), len(self.names)))
+        whole[:fit, :fit] = self.covariance
+        for i, name in enumerate(self.names[fit:], start=fit):
+            whole[i, i] = tables()["unfitted"][name] ** 2
+        values, vectors = np.linalg.eigh(whole)
+        return np.asarray((vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T)
+
+    @cached_property
+    def by_constants(self) -> Values:
+        """Return the deviation of each coefficient that the constants make [-]."""
+        change = np.array(
+            [list(self._changed(row).values()) for row in NUDGE * np.eye(len(self.names))]
+        )
+        slopes = (change - np.array(list(self.estimated.values()))) / NUDGE
+        spread = np.sqrt(np.sum((self.root @ slopes) ** 2, axis=0))
+        return dict(zip(self.estimated, map(float, spread), strict=True))
+
+    def _changed(self, logarithms: Numbers) -> Values:
+        """Return the coefficients with the logarithms of the constants changed."""
+        factors = np.exp(logarithms)
+        given = {
+            name: self.constants.get(name, 1.0) * float(factor)
+            for name, factor in zip(self.names, factors, strict=True)
+        }
+        return coefficients(self.hull, given)
+
+    def draw(self, number: int) -> Values:
+        """Return the coefficients of one draw [-]; number 0 is the estimate itself."""
+        if number == 0:
+            return dict(self.values)
+        normals = deviates(number, len(self.names) + len(TABLE))
+        logarithms = self.root @ normals[: len(self.names)]
+        i = self.names.index("resistance")
+        if self.small_craft and logarithms[i] > 0.0:
+            of = tables()["unfitted"]
+            logarithms[i] *= of["openings"] / of["resistance"]
+        changed, own = self._changed(logarithms), normals[len(self.names) :]
+        found = {
+            term.key: self._drawn(term.key, changed[term.key], float(own[i]))
+            for i, term in enumerate(TABLE)
+            if term.key not in THRUST
+        }
+        found |= {twin: found[key] for twin, key in PAIRS.items() if twin in found}
+        return found | {key: changed[key] for key in THRUST}
+
+    def _drawn(self, key: str, changed: float, deviate: float) -> float:
+        """Return one coefficient [-] by the constants drawn and a deviate of its own."""
+        sd, common, value = self.sd[key], self.by_constants[key], self.values[key]
+        shared = min(1.0, sd / common) if common > 0.0 else 0.0
+        rest = OWN_SHARE * sd if key in LINEAR else math.sqrt(max(sd**2 - common**2, 0.0))
+        drawn = value + shared * (changed - self.estimated[key]) + rest * deviate
+        if key in ONE_SIGN and drawn * value < LEAST * value * value:
+            return LEAST * value
+        return drawn
+
+    @property
+    def small_craft(self) -> bool:
+        """Return whether openings may add much to the drag."""
+        return self.hull.ell < SMALL_CRAFT
+
+
+def deviates(number: int, count: int) -> Numbers:
+    """Return the normal deviates [-] of a draw, the same on every machine."""
+    found = np.empty(count)
+    fill_normals(uniforms(number, stream("estimate", ""), 0, count), found)
+    return found
+
+
+def estimate(hull: Hull, mass: float) -> Estimate:
+    """Return the estimate of a hull of a mass [kg] by the fitted constants."""
+    values = coefficients(hull, fitted())
+    covariance = np.array(tables()["covariance"]["rows"])
+    sd = deviations(hull, values, mass)
+    return Estimate(hull, mass, fitted(), covariance, values, sd)
+
+
+def filed_estimate(file: VesselFile, table: Mapping[str, Any]) -> Estimate:
+    """Return the estimate that a vessel file has, with the file's own coefficients.
+
+    ``table`` holds its tables. ConfigError if it has none, or one that is damaged.
+    """
+    place = Place(file.path.name, "estimate")
+    if "estimate" not in table:
+        told = "lacks the table [estimate]: it is no boat of trainer estimate"
+        raise ConfigError(f"{file.path.name}: {told}")
+    own = as_table(table["estimate"], place)
+    lacking = [key for key in ("constants", "covariance", "sd", "hull") if key not in own]
+    if lacking:
+        raise ConfigError(place.problem(f"lacks {', '.join(lacking)}"))
+    hull = hull_of(read_hull(own["hull"], file.path))
+    names = tuple(fitted())
+    constants = _numbers(own["constants"], names, place.inside("constants"))
+    sd = _numbers(own["sd"], tuple(term.key for term in TABLE), place.inside("sd"))
+    rows = _rows(own["covariance"], len(names), place)
+    made = coefficients(hull, constants)
+    values = made | dict(file.coefficients)
+    return Estimate(hull, file.hull.mass, constants, rows, values, sd)
+
+
+def _numbers(table: object, names: tuple[str, ...], place: Place) -> dict[str, float]:
+    """Return numbers by name; ConfigError if one is lacking, none, or negative."""
+    given = as_table(table, place)
+    for name in names:
+        value = given.get(name)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0.0:
+            raise ConfigError(place.wrong(name, value, "must be a number, 0 or more"))
+    return {name: float(given[name]) for name in names}
+
+
+def _rows(rows: object, count: int, place: Place) -> Numbers:
+    """Return the covariance; ConfigError if it is no symmetric matrix of that size."""
+    try:
+        found = np.array(rows, float)
+    except (TypeError, ValueError):
+        found = np.zeros(0)
+    if found.shape != (count, count) or not np.allclose(found, found.T):
+        told = f"must be {count} rows of {count} numbers, symmetric"
+        raise ConfigError(place.problem(f"covariance: {told}"))
+    return found
+
+
+def thrust_of(drawn: Mapping[str, float]) -> Iterator[dict[str, float]]:
+    """Yield the thrust rows of a vessel file: ahead, and with the engine astern."""
+    for row, least in (("1", 0.0), ("3", -99.0)):
+        yield {"eta_min": least, **{name: drawn[f"{name}{row}"] for name in "abc"}}
+
+
+def _drawn_row(
+    row: Mapping[str, Any], estimated: Mapping[str, float], drawn: Mapping[str, float]
+) -> dict[str, Any]:
+    """Return a thrust row of the file in the ratio of a draw to the estimate."""
+    place = "1" if row["eta_min"] >= 0.0 else "3"
+    ratios = {
+        name: drawn[f"{name}{place}"] / estimated[f"{name}{place}"]
+        for name in "abc"
+        if estimated[f"{name}{place}"] != 0.0
+    }
+    return {**row, **{name: row[name] * ratio for name, ratio in ratios.items()}}
+
+
+def drawn_tables(made: Estimate, table: Mapping[str, Any], number: int) -> dict[str, Any]:
+    """Return the tables of a vessel with a draw of its coefficients in them."""
+    drawn = made.draw(number)
+    own = {key: value for key, value in drawn.items() if key not in THRUST}
+    rows = [_drawn_row(row, made.estimated, drawn) for row in table["propulsion"]["sets"]]
+    return {
+        **table,
+        "coefficients": own,
+        "propulsion": {**table["propulsion"], "sets": rows},
+    }

@@ -1,0 +1,110 @@
+"""The command ``trainer estimate``: a boat from the drawing of its hull."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from trainer.cli.shared_options import HTML, TOML
+from trainer.cli.types import Name
+
+NEW: Final = "new"  # the word before the name of a hull to be written
+SKELETON: Final = "hull-skeleton"
+
+
+@click.command()
+@click.argument("hull", type=Name("hulls"))
+@click.argument("file", type=TOML, required=False)
+@click.option("-o", "--output", type=TOML, metavar="FILE", help="Write the boat so.")
+@click.option("--html", type=HTML, metavar="FILE", help="Write a page, with the hull drawn.")
+@click.option("--study", type=TOML, metavar="FILE", help="Write a study of the turn's bands.")
+@click.option(
+    "--draws",
+    type=click.IntRange(0, 2000),
+    default=50,
+    show_default=True,
+    help="Of the coefficients, for the bands.",
+)
+@click.option("--reduce", is_flag=True, help="Find the compact set too; takes minutes.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) -> None:
+    """Estimate a boat from its drawing: coefficients, their deviations, gains.
+
+    \b
+    Example:  trainer estimate new hull.toml
+              trainer estimate hull.toml -o boat.toml --html boat.html
+              trainer estimate suboff
+
+    HULL is remus100, suboff, small-boat, or the path of a hull file; `new` before the name of a
+    file writes one with comments, to be changed. The boat has a standard deviation on every
+    coefficient, and flies at once. `trainer sweep` draws from it.
+    """
+    if hull == NEW:
+        _write_skeleton(file)
+        return
+    if file is not None:
+        raise click.UsageError(f"{file}: the boat is written with -o {file}")
+    from dataclasses import asdict  # noqa: PLC0415
+
+    from trainer.analysis.estimate.boat_file import load, write_boat  # noqa: PLC0415
+    from trainer.analysis.estimate.page import html_page, render  # noqa: PLC0415
+    from trainer.analysis.estimate.survey import survey  # noqa: PLC0415
+
+    if options["reduce"] and output is None:
+        raise click.UsageError("--reduce: needs -o, where the boat is written")
+    if options["study"] is not None and output is None:
+        raise click.UsageError("--study: needs -o, the boat that it flies")
+    made = write_boat(load(hull), output or Path(f"{Path(hull).stem}-boat.toml"))
+    found = survey(made, options["draws"])
+    if output is not None:
+        _write(output, made.text)
+    if options["html"] is not None:
+        _write(options["html"], html_page(found, made))
+    if options["study"] is not None:
+        _write_study(options["study"], output, found.rudder_deg)
+    click.echo(json.dumps(asdict(found), indent=1) if options["as_json"] else render(found, made))
+    if options["reduce"]:
+        _reduce(output)
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a file whole; ConfigError if it cannot be written."""
+    from trainer.config.files import ConfigError  # noqa: PLC0415
+    from trainer.io.atomic_write import write_whole  # noqa: PLC0415
+
+    try:
+        write_whole(path, text)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def _write_skeleton(file: Path | None) -> None:
+    """Write a hull to be changed; ConfigError if the file is there."""
+    from trainer.config.files import as_typed, read_text, shipped, write_once  # noqa: PLC0415
+
+    if file is None:
+        raise click.UsageError("new: give the name of the file, such as hull.toml")
+    write_once(file, read_text(shipped("", SKELETON)))
+    click.echo(f"{file} written; next: trainer estimate {as_typed(file)} -o boat.toml")
+
+
+def _write_study(path: Path, boat: Path | None, rudder: float) -> None:
+    """Write a study of the turn that draws the boat's coefficients."""
+    from os.path import relpath  # noqa: PLC0415
+
+    from trainer.analysis.estimate.boat_file import study_text  # noqa: PLC0415
+
+    seen = relpath(boat or "", path.parent)
+    _write(path, study_text(seen, rudder))
+
+
+def _reduce(boat: Path | None) -> None:
+    """Find the compact set of the boat written, and write it into its file."""
+    from trainer.cli.vessel import reduce  # noqa: PLC0415
+
+    if boat is not None:
+        sys.stdout.flush()
+        path = f"./{boat}" if boat.parent == Path() else str(boat)
+        reduce.main([path, "--write"], standalone_mode=False)
