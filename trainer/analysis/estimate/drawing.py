@@ -16,7 +16,7 @@ from trainer.core.kernel import Numbers
 
 WIDTH: Final = 640.0  # [px]
 EDGE: Final = 20.0  # [px] beside the hull
-ROOM: Final = 26.0  # [px] above each view
+ROOM: Final = 42.0  # [px] above each view: its title, and below it a name of a surface
 AXIS: Final = 30.0  # [px] below each view
 EVERY: Final = 2  # stations a point of the outline
 BROAD: Final = 0.3  # share of a panel that a view shows: less is seen edge on, and not named
@@ -49,7 +49,7 @@ def draw_hull(hull: Hull) -> Markup:
         end = EDGE + scale * hull.shape.length
         paper = Paper(Axis(0.0, hull.shape.length, EDGE, end), Axis(low, high, bottom, top))
         title = "From starboard" if view == "side" else "From above, starboard upwards"
-        parts += [text("title", EDGE, top - 10.0, f"{title} [m]"), *_view(hull, view, paper)]
+        parts += [text("title", EDGE, top - 24.0, f"{title} [m]"), *_view(hull, view, paper)]
         parts += _scale(paper, bottom)
         top = bottom + AXIS
     return svg(f"{hull.file.name} from the side and from above", (WIDTH, top), parts)
