@@ -367,6 +367,9 @@ def test_intervals_of_variances_and_sure_coefficients_are_by_the_logarithm() -> 
     assert found[3] == pytest.approx([1e-4 / 3.69375, 1e-4 * 3.69375], rel=1e-5)  # exp(1.96/1.5)
     assert np.isnan(found[4]).all()
     assert np.isfinite(intervals(problem, theta, np.full(5, 1e300))).all()
+    # a variance less than its deviation begins at nothing, whatever its sign in the search
+    near_nothing = intervals(problem, -theta, np.array([0.5, 0.3, 1.0, 2e-4, 0.01]))
+    assert near_nothing[3] == pytest.approx([0.0, 1e-4 + 1.959964 * 2e-4], rel=1e-5)
     # a coefficient below zero has its ends in order
     below = intervals(problem, -theta, np.full(5, 0.05))[0]
     assert below[0] < -2.0 < below[1] < 0.0

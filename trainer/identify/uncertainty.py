@@ -136,24 +136,27 @@ def hessian(cost: Cost, theta: Numbers) -> Numbers:
 
 
 WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
-WIDEST: Final = 50.0  # [-] logarithm of the widest interval's half
 RATIOS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")  # coefficients
 
 
 def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
     """Return 95 % intervals (f, 2) of parameters, some of them by the logarithm.
 
-    So it is of variances, which are above nothing, and of coefficients whose sign is sure: gains
-    and time constants are their products and ratios. The deviation of such a number grows with it:
-    twice as much to either side would hold too little above, and too much below.
+    So it is of variances, and of coefficients whose sign is sure: gains and time constants are
+    their products and ratios. The deviation of such a number grows with it: twice as much to
+    either side would hold too little above, and too much below. A variance that is less than its
+    deviation is not told from nothing: its interval begins there.
     """
     names = RATIOS if problem.plant.model.system is None else ()
     ratio = np.isin(problem.names, names) & (np.abs(theta) > WIDTH * deviations)
-    scaled = (ratio | np.isin(problem.kinds, ("variance", "error"))) & (theta != 0.0)
+    above = np.isin(problem.kinds, ("variance", "error"))
+    scaled = ratio | (above & (np.abs(theta) > deviations))
     share = WIDTH * deviations / np.where(scaled, np.abs(theta), 1.0)
     ways = np.array([-1.0, 1.0])
-    factors = theta[:, None] * np.exp(np.minimum(share, WIDEST)[:, None] * ways)
-    straight = theta[:, None] + WIDTH * deviations[:, None] * ways
+    factors = theta[:, None] * np.exp(np.where(scaled, share, 0.0)[:, None] * ways)
+    middle = np.where(above, np.abs(theta), theta)
+    straight = middle[:, None] + WIDTH * deviations[:, None] * ways
+    straight[above, 0] = np.maximum(straight[above, 0], 0.0)
     return np.sort(np.where(scaled[:, None], factors, straight), axis=1)
 
 
