@@ -79,7 +79,7 @@ def load_trial(path: Path, ship: ShipFile, every: int = 1) -> Trial:
     t, table = _averaged(record.t, table, every)
     if len(t) < SHORTEST:
         raise ConfigError(f"{path}: has {len(t)} samples of {every} rows; needs {SHORTEST} or more")
-    table = _with_steps(t, table, ship)
+    table = with_steps(t, table, ship)
     return Trial(str(path), t, table, tuple(map(str, findings)), bool(np.any(table[:, 6:8])))
 
 
@@ -246,7 +246,7 @@ def _averaged(t: Numbers, table: Numbers, every: int) -> tuple[Numbers, Numbers]
     return t[places], np.asarray(table[around].mean(axis=1))
 
 
-def _with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
+def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
     """Return the table with seconds to the next row and steps in them, as the filter has it."""
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))

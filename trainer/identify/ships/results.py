@@ -261,7 +261,7 @@ def _without_record(fitted: Fit, left_out: int) -> tuple[Problem, Found]:
     return rest, search(rest, begin, lambda *_: None)
 
 
-def _coefficients(fitted: Fit) -> tuple[Coefficient, ...]:
+def coefficients_of(fitted: Fit) -> tuple[Coefficient, ...]:
     """Return the common parameters; noises by their size, not its logarithm."""
     found = []
     problem = fitted.problem
@@ -386,7 +386,7 @@ def _report(
 ) -> Report:
     """Return all that there is to say."""
     problem, trials = fitted.problem, fitted.problem.trials
-    told = _coefficients(fitted)
+    told = coefficients_of(fitted)
     p = len(problem.model.free)
     steps = np.concatenate([np.diff(trial.t) for trial in trials])
     length = float(problem.constants[0])
