@@ -1,7 +1,7 @@
 """Trials of ships that are not linear: what zig-zags would tell, before they are sailed."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -26,8 +26,10 @@ from trainer.units import KNOT
 STEPS: Final = 2  # of the ship between samples, where no interval is said: a twentieth of L/U
 MOST: Final = 4  # speeds side by side, which a page is wide enough for
 CALMEST: Final = 1e-9  # [rad/s/rt(s)] a disturbance that is none
-BETTER: Final = 0.8  # [-] of the next smaller deviation, from which a plan tells better
+BETTER: Final = 0.9  # [-] of the next smaller deviation, from which a plan tells better
+WORST: Final = 3  # combinations that a page names of each plan
 READINGS: Final = ("speed", "sway", "yaw_rate", "heading")
+SENSORS: Final = {"sway_kn": "sway", "yaw_rate_deg_s": "yaw_rate", "heading_deg": "heading"}
 LETTERS: Final = "ABCDE"
 
 
@@ -113,9 +115,7 @@ def design(ship: ShipFile, options: Mapping[str, Any]) -> Design:
     every = max(1, round(interval / usual.step))
     flown = tuple(_flights(ship, way, options) for way in ways)
     expected = tuple(_expected(ship, flights, every, options) for flights in flown)
-    plans = tuple(
-        _plan(*one) for one in zip(LETTERS, ways, flown, expected, strict=False)
-    )
+    plans = tuple(_plan(*one) for one in zip(LETTERS, ways, flown, expected, strict=False))
     report = Report(
         ship=ship.name,
         model=expected[0].problem.model.name,
@@ -130,6 +130,17 @@ def design(ship: ShipFile, options: Mapping[str, Any]) -> Design:
         remarks=tuple(_remarks(plans)),
     )
     return Design(report, flown, expected)
+
+
+def sensors_of(ship: ShipFile, options: Mapping[str, Any], given: Collection[str]) -> Sensors:
+    """Return the instruments: those ``given`` as options, else the file's, else usual ones."""
+    own = ship.sensors or Sensors()
+    taken = {
+        key: options[name] if name in given or of_file is None else of_file
+        for key, name in SENSORS.items()
+        for of_file in [getattr(own, key)]
+    }
+    return Sensors(**taken)
 
 
 def _outputs(options: Mapping[str, Any]) -> tuple[str, ...]:
@@ -289,7 +300,8 @@ def _cell(one: Coefficient) -> str:
 
 def _untold(plan: Plan) -> list[str]:
     """Return what a plan will not tell, in words."""
-    found = [line for one in plan.untold for line in wrap(f"- {in_words(one)}")]
+    worst = plan.untold[:WORST]
+    found = [line for one in worst for line in wrap(f"- {in_words(one)}")]
     if plan.from_book:
         found += wrap(f"- {', '.join(plan.from_book)}: from the book (its share above 90 %)")
     return found or wrap("- nothing: each coefficient is told by itself")
@@ -298,7 +310,9 @@ def _untold(plan: Plan) -> list[str]:
 def panels(found: Design) -> tuple[Panel, ...]:
     """Return rudder, heading and speed of each zig-zag."""
     drawn = []
-    alone = [(plan, flights[0]) for plan, flights in zip(found.report.plans, found.flights, strict=True)]
+    alone = [
+        (plan, flights[0]) for plan, flights in zip(found.report.plans, found.flights, strict=True)
+    ]
     shown = [(plan, flight) for plan, flight in alone if len(plan.legs) == 1]
     for title, unit, name, factor in (
         ("rudder, positive to port", "[deg]", "delta_r", 180.0 / math.pi),
