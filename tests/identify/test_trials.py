@@ -212,7 +212,7 @@ def test_the_page_s_command_sets_plans_side_by_side(file: str, monkeypatch: Any)
             for one in plan["coefficients"]
             if one["name"] == name
         ]
-        assert [float(x) for x in said.groups()] == pytest.approx(own, rel=0.06)
+        assert [float(x) for x in said.groups()] == pytest.approx(own, rel=0.02)
 
 
 @pytest.mark.parametrize(
