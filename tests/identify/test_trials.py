@@ -19,7 +19,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.ships.fit import problem_of, search
 from trainer.identify.ships.ship_file import ShipFile, parse_ship
-from trainer.identify.ships.trials import Design, TrialShip, design, sensors_of, trial_of
+from trainer.identify.ships.trials import Design, TrialShip, design, flown_trial, sensors_of
 from trainer.identify.sources import USUAL, Sensors
 from trainer.units import KNOT
 
@@ -144,7 +144,7 @@ def scatter(known: ShipFile, found: Design, count: int) -> Numbers:
             ship = ShakenShip(known, held * KNOT, noise[:3], 10 * seed + i)
             flight = fly(ship, ZigZag(duration_s=400.0), speed * KNOT)
             every = round(found.report.interval_s / flight.step)
-            trial = trial_of(known, flight, every, found.report.outputs)
+            trial = flown_trial(known, flight, every, found.report.outputs)
             trial.table[:, :4] += noise[3:] * stream.standard_normal((len(trial.t), 4))
             trials.append(trial)
         prior = {

@@ -174,7 +174,7 @@ def _flights(ship: ShipFile, legs: Sequence[Leg], options: Mapping[str, Any]) ->
     return tuple(flown)
 
 
-def trial_of(ship: ShipFile, flight: Flight, every: int, read: Sequence[str]) -> Trial:
+def flown_trial(ship: ShipFile, flight: Flight, every: int, read: Sequence[str]) -> Trial:
     """Return a flight as a record without errors; ConfigError if it is too short."""
     t = flight.t[::every]
     if len(t) < SHORTEST:
@@ -196,7 +196,7 @@ def _expected(
     """Return what is expected of fitting the records of these flights together."""
     if ship.result is None:
         raise ConfigError(f"{ship.path.name}: lacks [result]")
-    trials = [trial_of(ship, flight, every, _outputs(options)) for flight in flights]
+    trials = [flown_trial(ship, flight, every, _outputs(options)) for flight in flights]
     model = model_of(ship.result.model, wind=False)
     prior, _ = prior_of(model, ship)
     problem = problem_of(model, ship.constants, trials, prior, options["prior_strength"])
