@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, Unpack, cast, 
 
 import numpy as np
 
-from trainer.analysis.report.plots import Panel, draw, figure_of
+from trainer.analysis.report.plots import Panel, Screen, draw, figure_of
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
@@ -82,6 +82,7 @@ OF_BOOKS: Final = ("ship", "prior_strength")  # keywords that linear ships do no
 OF_STEERING: Final = (  # and those that ships that are not linear do not
     *("length", "speed", "vessel", "outputs", "noise", "method", "start", "fixed"),
 )
+STRONGEST: Final = 100.0  # of the prior's strengths, as on the command line
 OfShips = Literal["linear", "mavmm", "abkowitz", "mmg"]
 
 
@@ -174,6 +175,9 @@ def _fit_manoeuvring(
     """Return a ship that is not linear, fitted to its records."""
     if given["ship"] is None:
         raise ConfigError(f"model {model}: lacks ship, the file of the ship's dimensions")
+    strength = given["prior_strength"]
+    if not 0.0 <= strength <= STRONGEST:
+        raise ConfigError(f"prior_strength = {strength:g}: must be 0 to {STRONGEST:g}")
     ship = load_ship(Path(given["ship"]))
     sign = sign or ship.records.positive_rudder
     ship = replace(ship, records=replace(ship.records, positive_rudder=sign))
@@ -183,7 +187,7 @@ def _fit_manoeuvring(
     if not trials:
         raise ConfigError(f"model {model}: needs a frame")
     options = {**given, "model": model, "without": ()}
-    return ManoeuvringShip(fit_trials(ship, trials, (), options, unheard), given, ship)
+    return ManoeuvringShip(fit_trials(ship, trials, (), options, lambda *_: None), given, ship)
 
 
 def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Trial:
@@ -276,7 +280,7 @@ def _record_of(taken: Mapping[str, Numbers], columns: Mapping[str, Column]) -> R
     return record
 
 
-def _plotted(shown: Sequence[Panel], path: str | Path | None) -> "Figure | None":
+def _plotted(shown: Sequence[Panel | Screen], path: str | Path | None) -> "Figure | None":
     """Return panels as a figure, or draw them to a file."""
     if path is not None:
         draw(shown, Path(path))
