@@ -217,10 +217,18 @@ def test_it_predicts_a_record_that_it_has_not_seen_in_the_units_of_the_fit(
     )
 
 
-def test_records_of_one_ship_are_fitted_together(dimensions: Path) -> None:
+def test_records_of_one_ship_are_fitted_together_and_may_be_files(
+    dimensions: Path, tmp_path: Path
+) -> None:
     frames = [zigzag(20.0, 1), zigzag(-20.0, 2)]
+    own = {"speed": "u", "sway": "v", "yaw_rate": "r", "heading": "psi", "rudder": "delta_r"}
+    rows = np.column_stack(list(frames[1].values()))
+    head = ",".join(own.get(name, name) for name in frames[1])
+    np.savetxt(tmp_path / "b.csv", rows, delimiter=",", header=head, comments="", fmt="%.17g")
+    mixed = identify.fit([frames[0], tmp_path / "b.csv"], "linear", ship=dimensions, every=2)
     both = identify.fit(frames, "linear", ship=dimensions, every=2)
     one = identify.fit(frames[0], "linear", ship=dimensions, every=2)
+    assert mixed.parameters == pytest.approx(both.parameters, rel=1e-9)
     assert both.deviations["N_d"] < 0.9 * one.deviations["N_d"]
 
 
