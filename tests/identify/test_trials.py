@@ -96,6 +96,8 @@ def test_better_instruments_and_a_longer_trial_tell_more(known: ShipFile, pair: 
         },
     )
     longer = design(known, OPTIONS | first | {"seconds": 1600.0})
+    blind = design(known, OPTIONS | first | {"outputs": ("sway", "heading")})
+    assert deviations(blind, "N_r")[0] > 1.02 * deviations(pair, "N_r")[0]
     for name in ("N_F", "Y_v", "kappa"):
         usual = deviations(pair, name)[0]
         assert 0.4 * usual < deviations(sharp, name)[0] < 0.7 * usual
@@ -108,6 +110,8 @@ def test_the_book_s_share_falls_where_the_book_is_weak(known: ShipFile, pair: De
     weak = pair.report.plans[2]
 
     assert "l" in firm.from_book
+    # what the record does not tell is its own, whatever the book says
+    assert firm.untold[0].eigenvalue == pytest.approx(weak.untold[0].eigenvalue, rel=1e-3)
     assert all(
         one.prior_share < 1.0 and one.prior_share <= other.prior_share
         for one, other in zip(weak.coefficients, firm.coefficients, strict=True)
