@@ -465,9 +465,9 @@ class ManoeuvringShip:
         return fitted.problem.penalty(fitted.found.a) - fitted.found.cost
 
     def predict(self, frame: Frame) -> dict[str, Numbers]:
-        """Return speed, sway, yaw rate and heading (n,) by inputs alone, in the units of ``fit``.
+        """Return speed, sway, yaw rate and heading (n,) by inputs alone.
 
-        ``frame`` is as for ``fit``: rudder, revolutions and wind drive the ship, from the first
+        ``frame`` and units are as for ``fit``. Rudder, revolutions and wind drive it from the first
         of its readings. NaN from where it is no ship under way.
         """
         trial = _trial_of(frame, self._ship, self._given, 1)

@@ -253,7 +253,7 @@ def _averaged(t: Numbers, table: Numbers, every: int) -> tuple[Numbers, Numbers]
 
 
 def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
-    """Return the table with seconds to the next row and steps in them, as the filter has it."""
+    """Return the table with seconds to the next row and the steps in them."""
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
     parts = np.maximum(np.ceil(gaps / (FINE * length / speed) - 1e-9), 1.0)
