@@ -304,6 +304,29 @@ def test_what_the_models_do_not_know_is_refused(columns: Columns, tmp_path: Path
         assert words in one.output + str(one.exception), words
 
 
+def test_a_fit_has_a_page_of_its_own_in_which_markup_is_text(
+    columns: Columns, tmp_path: Path
+) -> None:
+    record, ship = str(written(columns, tmp_path / "a.csv")), tmp_path / "ship.toml"
+    ship.write_text(ship_text(replace(SHIP, name="<b>tanker</b> & co"), ""), encoding="utf-8")
+    page, command = tmp_path / "fit.html", ("identify", record, "--model", "linear")
+    more = ("--ship", str(ship), "--predict", record, "--html", str(page), "--json")
+
+    answer = asked(*command, *more)
+    text = page.read_text(encoding="utf-8")
+    data = re.search(r'<script type="application/json" id="identified">(.*?)</script>', text)
+
+    assert data
+    assert json.loads(data[1]) == json.loads(answer.stdout)
+    assert "&lt;b&gt;tanker&lt;/b&gt; &amp; co" in text
+    assert "<b>" not in text.replace(data[0], "")
+    screens = re.findall(r"<h2>(.*?)</h2>", text)
+    assert screens[:3] == ["Numbers", "Record", "Held back"]
+    assert len(screens) == 3 + 3  # v', r', rudder
+    assert text.count("<svg") == 2 * 4 + 3 * 3
+    assert "What the record cannot tell" in text
+
+
 def test_the_python_face_sends_to_the_command(columns: Columns, tmp_path: Path) -> None:
     record = written(columns, tmp_path / "a.csv")
 
