@@ -19,6 +19,7 @@ from trainer.config.files import (
     parse_toml,
     read_text,
 )
+from trainer.config.identification import SHIP
 from trainer.config.schema import (
     Choice,
     Quantities,
@@ -36,7 +37,7 @@ from trainer.config.schema import (
 from trainer.core.kernel import Numbers
 from trainer.identify.sources import Sensors
 
-SCHEMA: Final = "ship/1"
+SCHEMA: Final = SHIP
 FEET: Final = 500.0  # [m] the longest ship is shorter
 UNIT_NAMES: Final = "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, 1/s rpm"
 CHANNELS: Final = (
@@ -152,7 +153,12 @@ def load_ship(path: Path) -> ShipFile:
 
 def parse_ship(text: str, path: Path) -> ShipFile:
     """Return the ship in ``text``, which came from ``path``; ConfigError with all faults."""
-    place, table = Place(path.name, ""), parse_toml(text, path.name)
+    return read_ship(parse_toml(text, path.name), path)
+
+
+def read_ship(table: Mapping[str, Any], path: Path) -> ShipFile:
+    """Return the ship in the tables of the file ``path``; ConfigError with all faults."""
+    place = Place(path.name, "")
     known = ("schema", "name", *TABLES, "columns", *("coefficients", "covariance", "ranges"))
     problems = [
         place.wrong(key, value, f"no such key{nearest(key, known)}")

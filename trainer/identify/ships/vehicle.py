@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from trainer.analysis.estimate.uncertainty import Joint
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.manoeuvres.page import Report, fly_vehicle, format_measure
 from trainer.analysis.manoeuvres.page import render as render_flight
@@ -158,18 +159,13 @@ class IdentifiedShip:
         self._time += h
 
 
-def draws(ship: ShipFile, count: int, seed: int = 1) -> Iterator[ShipFile]:
+def draws(ship: ShipFile, count: int) -> Iterator[ShipFile]:
     """Yield ships drawn from what the records leave open."""
     if ship.covariance is None:
         return
-    sizes, vectors = np.linalg.eigh(ship.covariance)
-    root = vectors * np.sqrt(np.maximum(sizes, 0.0))
-    middle = np.array([ship.coefficients[name] for name in ship.uncertain])
-    stream = np.random.default_rng(seed)
-    for _ in range(count):
-        values = middle + root @ stream.standard_normal(len(middle))
-        drawn = dict(zip(ship.uncertain, map(float, values), strict=True))
-        yield replace(ship, coefficients={**ship.coefficients, **drawn})
+    known = Joint({name: ship.coefficients[name] for name in ship.uncertain}, ship.covariance)
+    for number in range(1, count + 1):
+        yield replace(ship, coefficients={**ship.coefficients, **known.draw(number)})
 
 
 @dataclass(frozen=True)
