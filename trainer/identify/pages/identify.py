@@ -438,14 +438,14 @@ def sheet(title: str, text: str, screens: Iterable[Screen], report: Any) -> str:
 
     It needs no other file. The same report gives the same bytes.
     """
-    (heading, _, rest), listing = text.partition("\n"), Markup('<pre class="listing">{}</pre>\n')
+    heading, _, rest = text.partition("\n")
     rest, *matrices = rest.split(f"\n\n{INDENT}{MATRICES}, ")
-    parts = [("Numbers", listing.format(rest))]
+    parts = [("Numbers", _listing(rest))]
     for screen in screens:
         drawn = html.charts(map(_figure, screen.panels))
         rows = Markup('<div class="rows{}">{}</div>').format((len(screen.panels) + 1) // 2, drawn)
         parts.append((screen.title, rows))
-    parts += [(f"{MATRICES} {i}", listing.format(words)) for i, words in enumerate(matrices, 1)]
+    parts += [(f"{MATRICES} {i}", _listing(words)) for i, words in enumerate(matrices, 1)]
     directions = getattr(report, "eigenvalues", ())
     if directions:
         parts.append(("Known least", _directions(directions)))
@@ -457,6 +457,12 @@ def sheet(title: str, text: str, screens: Iterable[Screen], report: Any) -> str:
         screens=parts,
         data=html.embed(asdict(report)),
     )
+
+
+def _listing(text: str) -> Markup:
+    """Return text as the terminal has it, in columns where there is room; no table is parted."""
+    blocks = Markup("\n").join(map(Markup("<pre>{}</pre>").format, text.split("\n\n")))
+    return Markup('<div class="listing">\n{}\n</div>\n').format(blocks)
 
 
 def _figure(panel: Panel) -> Markup:
