@@ -208,8 +208,10 @@ def known() -> ShipFile:
 
 
 def test_a_ship_file_says_again_what_it_said(known: ShipFile) -> None:
-    again = parse_ship(ship_text(known, "a test"), Path("ship.toml"))
+    known = replace(known, name='an "old" tanker\\')
+    again = parse_ship(ship_text(known, 'of "a" test'), Path("ship.toml"))
 
+    assert again.name == known.name
     assert again.coefficients == known.coefficients
     assert again.covariance == pytest.approx(known.covariance)
     assert (again.dimensions, again.result) == (known.dimensions, known.result)

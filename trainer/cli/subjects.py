@@ -8,7 +8,7 @@ from trainer.analysis.sweep.exercises import Exercising
 from trainer.analysis.sweep.manoeuvres import Manoeuvring
 from trainer.analysis.sweep.study import EXERCISE, IDENTIFICATION, MANOEUVRE, Study
 from trainer.identify.monte_carlo import Identifying
-from trainer.identify.ships.members import Sailing
+from trainer.identify.ships.vehicle import Sailing
 
 SUBJECTS: Final[Mapping[str, Callable[[Study], Subject]]] = {
     MANOEUVRE: Manoeuvring,

@@ -68,9 +68,10 @@ def fly_each(
     width: int,
     fly: Callable[[dict[str, Any], int], Sequence[float]],
 ) -> Batch:
-    """Return members flown one by one; ConfigError of ``fly`` says why there is nothing of one.
+    """Return members flown one by one.
 
-    ``fly`` takes a member's numbers and seed, and returns ``width`` numbers.
+    ``fly`` takes a member's numbers and seed, and returns ``width`` numbers; its ConfigError says
+    why there are none.
     """
     drawn, seeds = draws.drawn(first, count), draws.seeds(first, count)
     outputs = np.full((count, width), np.nan)

@@ -27,13 +27,18 @@ from trainer.config.schema import (
     Rows,
     Text,
     above,
+    described,
+    file_schema,
+    list_schema,
     of,
     optional,
     read_record,
+    record_schema,
     tables_of,
     usual,
     within,
 )
+from trainer.config.vessel_template import toml_value
 from trainer.core.kernel import Numbers
 from trainer.identify.sources import Sensors
 
@@ -45,6 +50,7 @@ CHANNELS: Final = (
     *("north_velocity", "east_velocity", "wind_speed", "wind_from"),
     *("wind_ahead", "wind_starboard"),
 )
+MOST_ROWS: Final = 100  # of a covariance, for editors
 LARGE: Final = within(-1e9, 1e9)
 RANGES: Final = ("v", "r", "rudder", "speed")  # v' and r' [-], [rad], [m/s]
 
@@ -229,7 +235,8 @@ def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
 
 def ship_text(ship: ShipFile, source: str) -> str:
     """Return the text of a ship's file."""
-    lines = [f'schema = "{SCHEMA}"', f'name = "{ship.name}"', f'source = "{source}"']
+    told = {"schema": SCHEMA, "name": ship.name, "source": source}
+    lines = [f"{key} = {toml_value(value)}" for key, value in told.items()]
     lines += _table_lines("dimensions", ship.dimensions)
     lines += _table_lines("records", ship.records)
     for column in ship.columns:
@@ -254,9 +261,26 @@ def _table_lines(name: str, record: Any) -> list[str]:
         value = getattr(record, item.name)
         if value is None or value == ():
             continue
-        text = f"[{', '.join(map(repr, value))}]" if isinstance(value, tuple) else repr(value)
-        lines.append(f"{item.name} = {text.replace(chr(39), chr(34))}")
+        lines.append(f"{item.name} = {toml_value([*value] if isinstance(value, tuple) else value)}")
     return lines if len(lines) > 2 else []
+
+
+def ship_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a ship's file."""
+    heading = record_schema(ShipHeading, ("note", "source"))
+    tables = {name: record_schema(record, ("note",)) for name, record in TABLES.items()}
+    row = list_schema(NUMBER.schema, 1, MOST_ROWS)
+    numbers = {
+        "coefficients": ("accelerations in prime units", NUMBER.schema),
+        "covariance": ("rows in the order of the names", row),
+        "ranges": ("seen in the records", list_schema(NUMBER.schema, 2, 2)),
+    }
+    named = {
+        key: {"type": "object", "description": told, "additionalProperties": each}
+        for key, (told, each) in numbers.items()
+    }
+    keys = {**heading["properties"], **tables, "columns": described(COLUMNS), **named}
+    return file_schema("ship", keys, (*heading["required"], "dimensions"))
 
 
 def key_tables() -> str:
