@@ -274,7 +274,7 @@ def vessel(text: str, path: Path) -> None:
 
 
 def ship(text: str, path: Path) -> None:
-    """Read the file of a ship; its text leads to the same, and with a result it is a vehicle."""
+    """Read the file of a ship, write it and read it again; let it sail."""
     found = parse_ship(text, path)
     plain = replace(found, result=None, covariance=None)
     again = parse_ship(ship_text(plain, found.name), path)
