@@ -16,7 +16,7 @@ from helpers.places import ROOT
 from helpers.ships import COEFFICIENTS, SHIP, sailed_zigzag
 
 import trainer
-from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
+from trainer.analysis.manoeuvres.catalogue import adjust
 from trainer.analysis.manoeuvres.flight import fly
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT, STARBOARD
@@ -330,7 +330,7 @@ def test_a_member_is_the_ship_sailed_alone(known: ShipFile, tmp_path: Path) -> N
 
     hull = replace(known.dimensions, rudder_rate_deg_s=3.0)
     ship = IdentifiedShip(replace(known, dimensions=hull))
-    turn = replace(find_manoeuvre("turning-circle"), duration_s=80.0)
+    turn = adjust("turning-circle", ship, {"duration": 80.0})
     flight = fly(ship, turn, 15.0 * KNOT)
     alone = {one.name: one.value for one in turn.measures(flight)}
 
