@@ -15,6 +15,7 @@ from jsonschema import Draft202012Validator
 
 from trainer.cli.schema import SCHEMAS, schema
 from trainer.config.baseline import BASELINE
+from trainer.verify.fuzz.files import SHIP
 
 CONFIGS = ROOT / "configs"
 FOLDERS = {
@@ -76,6 +77,14 @@ def test_every_shipped_file_fits_its_schema(kind: str, path: Path) -> None:
 def test_an_identification_fits_its_schema() -> None:
     assert not faults("identification", tomllib.loads(IDENTIFICATION))
     assert faults("identification", tomllib.loads(IDENTIFICATION.replace("kind", "knid")))
+
+
+def test_a_ship_fits_its_schema() -> None:
+    whole = SHIP.decode()
+
+    assert not faults("ship", tomllib.loads(whole))
+    assert faults("ship", tomllib.loads(whole.replace("length_m", "lenght_m")))
+    assert faults("ship", tomllib.loads(whole.replace("Y_d = [0.01,", 'Y_d = ["a",')))
 
 
 @pytest.mark.parametrize(

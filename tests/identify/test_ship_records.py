@@ -16,10 +16,13 @@ from helpers.places import ROOT
 from helpers.ships import COEFFICIENTS, SHIP, sailed_zigzag
 
 import trainer
+from trainer.analysis.manoeuvres.catalogue import adjust
 from trainer.analysis.manoeuvres.flight import fly
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT, STARBOARD
+from trainer.analysis.sweep.study import parse_study
 from trainer.cli.main import cli
+from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.ships import vehicle
@@ -205,8 +208,10 @@ def known() -> ShipFile:
 
 
 def test_a_ship_file_says_again_what_it_said(known: ShipFile) -> None:
-    again = parse_ship(ship_text(known, "a test"), Path("ship.toml"))
+    known = replace(known, name='an "old" tanker\\')
+    again = parse_ship(ship_text(known, 'of "a" test'), Path("ship.toml"))
 
+    assert again.name == known.name
     assert again.coefficients == known.coefficients
     assert again.covariance == pytest.approx(known.covariance)
     assert (again.dimensions, again.result) == (known.dimensions, known.result)
@@ -283,6 +288,81 @@ def test_a_manoeuvre_says_its_band_and_what_is_beyond_the_records(
     assert "95 % of 30 ships" in vehicle.render(report)
 
 
+SAMPLE = '[sample]\nplan = "{}"\nseed = 1\n'
+STUDY = """schema = "sweep/1"
+name = "turns"
+vessel = "./found.toml"
+measures = ["heading after 60 s"]
+[manoeuvre]
+name = "turning-circle"
+duration_s = 80.0
+"""
+VARIED = '[[vary]]\nname = "{}"\nkey = "{}"\n{}\n'
+DRAWN = VARIED.format("draw", "vessel", 'distribution = "estimate"')
+DRAWS_20 = SAMPLE.format("monte-carlo") + "members = 20\n" + DRAWN
+
+
+def test_a_study_draws_a_ship_by_the_covariance_of_its_file(
+    known: ShipFile, tmp_path: Path
+) -> None:
+    whole = parse_study(STUDY + DRAWS_20.replace("20", "4000"), _beside(known, tmp_path))
+    numbers = whole.draws.drawn(0, 4000)["draw"]
+    drawn = [whole.varied({"draw": one})["vessel"]["coefficients"] for one in numbers]
+    pairs = np.array([[one[name] for name in known.uncertain] for one in drawn])
+
+    assert pairs.mean(axis=0) == pytest.approx([1.2, -0.2], abs=0.004)
+    assert np.cov(pairs.T) == pytest.approx(known.covariance, rel=0.1, abs=2e-5)
+    assert all(one["N_v"] == known.coefficients["N_v"] for one in drawn)
+    assert whole.varied({"draw": 0})["vessel"]["coefficients"] == known.coefficients
+
+
+def _beside(ship: ShipFile, folder: Path) -> Path:
+    """Return the path of a study, with the ship's file beside it."""
+    (folder / "found.toml").write_text(ship_text(ship, ""), encoding="utf-8")
+    return folder / "study.toml"
+
+
+def test_a_member_is_the_ship_sailed_alone(known: ShipFile, tmp_path: Path) -> None:
+    path = _beside(known, tmp_path)
+    rate = VARIED.format("rate", "vessel.dimensions.rudder_rate_deg_s", "values = [1.0, 3.0]")
+    study = parse_study(STUDY + SAMPLE.format("grid") + rate, path)
+    slow, fast = subject_of(study).batch(0, 2).outputs[:, 0]
+
+    hull = replace(known.dimensions, rudder_rate_deg_s=3.0)
+    ship = IdentifiedShip(replace(known, dimensions=hull))
+    turn = adjust("turning-circle", ship, {"duration": 80.0})
+    flight = fly(ship, turn, 15.0 * KNOT)
+    alone = {one.name: one.value for one in turn.measures(flight)}
+
+    assert fast == alone["heading after 60 s"]
+    assert slow < 0.99 * fast
+
+
+@pytest.mark.parametrize(
+    ("there", "instead", "said"),
+    [
+        ("duration_s", 'law = "report"\nduration_s', 'law = "report": is for boats, not for'),
+        ("[manoeuvre]", '[method]\ntrig = "exact"\n[manoeuvre]', "is for boats, not for ships"),
+        ('"turning-circle"', '"crash-stop"', "engine"),
+        ("./found.toml", "./unsure.toml", "lacks the table [covariance]"),
+        ("./found.toml", "./torn.toml", "covariance: must be 2 rows of 2 numbers, symmetric"),
+        ('"vessel"', '"vessel.coefficients"', "must be vessel: an estimate is drawn whole"),
+    ],
+)
+def test_a_study_that_no_ship_can_sail_is_refused(
+    known: ShipFile, tmp_path: Path, there: str, instead: str, said: str
+) -> None:
+    path, text = _beside(known, tmp_path), ship_text(known, "")
+    (tmp_path / "unsure.toml").write_text(text.split("\n[covariance]")[0], encoding="utf-8")
+    (tmp_path / "torn.toml").write_text(text.replace("Y_F = [-0.0003", "Y_F = [-0.3"), "utf-8")
+    wrong = (STUDY + DRAWS_20).replace(there, instead, 1)
+
+    with pytest.raises(ConfigError) as refused:
+        subject_of(parse_study(wrong, path))
+
+    assert said in str(refused.value)
+
+
 def asked(*words: str) -> Result:
     return CliRunner().invoke(cli, words)
 
@@ -304,6 +384,29 @@ def test_what_the_models_do_not_know_is_refused(columns: Columns, tmp_path: Path
         assert words in one.output + str(one.exception), words
 
 
+def test_a_fit_has_a_page_of_its_own_in_which_markup_is_text(
+    columns: Columns, tmp_path: Path
+) -> None:
+    record, ship = str(written(columns, tmp_path / "a.csv")), tmp_path / "ship.toml"
+    ship.write_text(ship_text(replace(SHIP, name="<b>tanker</b> & co"), ""), encoding="utf-8")
+    page, command = tmp_path / "fit.html", ("identify", record, "--model", "linear")
+    more = ("--ship", str(ship), "--predict", record, "--html", str(page), "--json")
+
+    answer = asked(*command, *more)
+    text = page.read_text(encoding="utf-8")
+    data = re.search(r'<script type="application/json" id="identified">(.*?)</script>', text)
+
+    assert data
+    assert json.loads(data[1]) == json.loads(answer.stdout)
+    assert "&lt;b&gt;tanker&lt;/b&gt; &amp; co" in text
+    assert "<b>" not in text.replace(data[0], "")
+    screens = re.findall(r"<h2>(.*?)</h2>", text)
+    assert screens[:3] == ["Numbers", "Record", "Held back"]
+    assert len(screens) == 3 + 3  # v', r', rudder
+    assert text.count("<figure>") == 2 * 4 + 3 * 3
+    assert "What the record cannot tell" in text
+
+
 def test_the_python_face_sends_to_the_command(columns: Columns, tmp_path: Path) -> None:
     record = written(columns, tmp_path / "a.csv")
 
@@ -321,9 +424,10 @@ def test_the_page_leads_from_a_record_to_a_turning_circle(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(vehicle, "DRAWS", 30)
-    ship, known_ship = blocks("toml")[:2]
+    ship, known_ship, bands = blocks("toml")[:3]
     Path("ship.toml").write_text(ship, encoding="utf-8")
     Path("known.toml").write_text(known_ship, encoding="utf-8")
+    Path("bands.toml").write_text(bands, encoding="utf-8")
     lines = [line.removeprefix("$ ") for line in blocks("console")[0].splitlines()]
 
     answers = [asked(*shlex.split(line)[1:]) for line in lines]
@@ -335,10 +439,16 @@ def test_the_page_leads_from_a_record_to_a_turning_circle(
     assert re.search(r"zz10.csv +held back +\S+ +\S+ +(99|100)\.\d", answers[2].output)
     found = load_ship(Path("found.toml"))
     assert found.coefficients["N_F"] == pytest.approx(1.2, abs=0.1)
+    sweep = shlex.split(blocks("console")[1].removeprefix("$ trainer "))
+    spread = json.loads(asked(*sweep, "--members", "12", "--jobs", "1", "--json").stdout)
+    assert spread["troubled"] == 0
+    assert spread["effects"] == {name: [] for name in spread["effects"]}  # a draw is no scale
     truth = {one["name"]: one["value"] for one in json.loads(told.output)["measures"]}
     row = re.search(r"  advance +([\d.]+) +([\d.]+) +m", answers[3].output)
     assert row
     assert float(row[1]) - 15.0 < truth["advance"] < float(row[2]) + 15.0
+    assert spread["spreads"][0]["name"] == "advance"
+    assert float(row[1]) < spread["spreads"][0]["mean"] < float(row[2])
 
 
 def test_a_record_of_another_ship_is_not_fitted_with_it(

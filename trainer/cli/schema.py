@@ -35,10 +35,17 @@ def _identification() -> dict[str, Any]:
     return identification_schema()
 
 
+def _ship() -> dict[str, Any]:
+    from trainer.identify.ships.ship_file import ship_schema  # noqa: PLC0415
+
+    return ship_schema()
+
+
 SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     **{name: _of_config(name) for name in ("vessel", "hull", "exercise", "sea", "casualties")},
     "study": _study,
     "identification": _identification,
+    "ship": _ship,
 }
 
 
@@ -52,7 +59,8 @@ def schema(kind: str, output: Path | None) -> None:
     Example:  trainer schema exercise -o exercise.schema.json
               trainer schema vessel
 
-    A study is what `trainer sweep` flies, an identification what `trainer identify` fits.
+    A study is what `trainer sweep` flies, an identification what `trainer identify` fits, a
+    ship what its models linear to mmg take and write.
     """
     text = json.dumps(SCHEMAS[kind](), indent=1)
     if output is None:

@@ -15,7 +15,7 @@ from trainer.config.files import ConfigError
 MODELS: Final = ("linear", "mavmm", "abkowitz", "mmg")
 FOR_OTHERS: Final = (  # options that these models do not know
     *("vessel", "length", "knots", "channels", "noise", "method", "exact", "armax", "most"),
-    *("against", "check", "kappa", "checkpoint", "write_nomoto", "write_vessel", "html"),
+    *("against", "check", "kappa", "checkpoint", "write_nomoto", "write_vessel"),
     *("simulate", "data_only", "bech", "spiral", "joint", "matrices", "csv", "system", "reject"),
 )
 FOR_BOATS: Final = (  # options of experiments that ships do not know
@@ -66,6 +66,8 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
         _write(options["write_ship"], ship_text(found.ship, f"trainer identify, {sources}"))
     if options["coefficients"]:
         page.write_coefficients(found.report, options["coefficients"])
+    if options["html"]:
+        _write(options["html"], page.sheet(found))
     show(found.report, page.render, lambda: page.panels(found), options)
     return 0 if found.report.settled else 1
 

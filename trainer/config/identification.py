@@ -2,5 +2,6 @@
 
 from typing import Final
 
+SHIP: Final = "ship/1"  # form of the file of a ship that is not linear
 MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 CHANNELS: Final = ("bow_sway", "stern_sway", "sway", "yaw_rate", "heading")  # outputs, in order

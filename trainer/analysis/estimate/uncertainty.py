@@ -141,8 +141,7 @@ class Estimate:
         whole[:fit, :fit] = self.covariance
         for i, name in enumerate(self.names[fit:], start=fit):
             whole[i, i] = tables()["unfitted"][name] ** 2
-        values, vectors = np.linalg.eigh(whole)
-        return np.asarray((vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T)
+        return root_of(whole)
 
     @cached_property
     def by_constants(self) -> Values:
@@ -198,6 +197,36 @@ class Estimate:
         return self.hull.ell < SMALL_CRAFT
 
 
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """Coefficients of a ship that was fitted, with their covariance."""
+
+    values: Mapping[str, float]  # by name, as the covariance has them in its rows
+    covariance: Numbers
+
+    @cached_property
+    def root(self) -> Numbers:
+        """Return the matrix that makes normal deviates those of the coefficients."""
+        return root_of(self.covariance)
+
+    def draw(self, number: int) -> Values:
+        """Return the coefficients of one draw; number 0 is the fit itself."""
+        if number == 0:
+            return dict(self.values)
+        drawn = list(self.values.values()) + self.root @ deviates(number, len(self.values))
+        return dict(zip(self.values, map(float, drawn), strict=True))
+
+    def drawn_tables(self, table: Mapping[str, Any], number: int) -> dict[str, Any]:
+        """Return the tables of a ship's file with a draw of its coefficients in them."""
+        return {**table, "coefficients": {**table["coefficients"], **self.draw(number)}}
+
+
+def root_of(covariance: Numbers) -> Numbers:
+    """Return the symmetric root of a covariance; what is below nothing by rounding is nothing."""
+    values, vectors = np.linalg.eigh(covariance)
+    return np.asarray((vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T)
+
+
 def deviates(number: int, count: int) -> Numbers:
     """Return the normal deviates [-] of a draw, the same on every machine."""
     found = np.empty(count)
@@ -234,6 +263,24 @@ def filed_estimate(file: VesselFile, table: Mapping[str, Any]) -> Estimate:
     made = coefficients(hull, constants)
     values = made | dict(file.coefficients)
     return Estimate(hull, file.hull.mass, constants, rows, values, sd)
+
+
+def filed_joint(table: Mapping[str, Any], place: Place) -> Joint:
+    """Return what the file of a fitted ship says of its coefficients together.
+
+    ``table`` holds its tables. ConfigError if it has no covariance, or one that is damaged.
+    """
+    if "covariance" not in table:
+        raise ConfigError(place.problem("lacks the table [covariance]: no fit has written it"))
+    rows = as_table(table["covariance"], place.inside("covariance"))
+    given = as_table(table.get("coefficients", {}), place.inside("coefficients"))
+    for name in rows:
+        value = given.get(name)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            told = "must be a number: [covariance] has a row of it"
+            raise ConfigError(place.inside("coefficients").wrong(name, value, told))
+    values = {name: float(given[name]) for name in rows}
+    return Joint(values, _rows(list(rows.values()), len(rows), place))
 
 
 def _numbers(table: object, names: tuple[str, ...], place: Place) -> dict[str, float]:

@@ -1,13 +1,15 @@
 """Some members of a study, their results, and the functions that find these."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.analysis.sweep.draws import Draws
 from trainer.analysis.sweep.outputs import Output
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 
 
@@ -57,3 +59,26 @@ def member(drawn: Mapping[str, NDArray[Any]], place: int) -> dict[str, Any]:
         name: values[place] if isinstance(values[place], str) else float(values[place])
         for name, values in drawn.items()
     }
+
+
+def fly_each(
+    draws: Draws,
+    first: int,
+    count: int,
+    width: int,
+    fly: Callable[[dict[str, Any], int], Sequence[float]],
+) -> Batch:
+    """Return members flown one by one.
+
+    ``fly`` takes a member's numbers and seed, and returns ``width`` numbers; its ConfigError says
+    why there are none.
+    """
+    drawn, seeds = draws.drawn(first, count), draws.seeds(first, count)
+    outputs = np.full((count, width), np.nan)
+    troubles: list[str | None] = [None] * count
+    for i in range(count):
+        try:
+            outputs[i] = fly(member(drawn, i), int(seeds[i]))
+        except ConfigError as wrong:
+            troubles[i] = wrong.problems[0]
+    return Batch(np.arange(first, first + count), seeds, drawn, outputs, tuple(troubles))

@@ -11,8 +11,8 @@ import numpy as np
 
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.series import Series
-from trainer.analysis.sweep.batch import Batch, member
-from trainer.analysis.sweep.outputs import Output, choose_outputs, read_off
+from trainer.analysis.sweep.batch import Batch, fly_each
+from trainer.analysis.sweep.outputs import Output, asked_of, read_off
 from trainer.analysis.sweep.study import Study, method_of
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -138,25 +138,15 @@ class Exercising:
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
         """Return what is kept of each member. ConfigError if the study asks for what is not."""
-        try:
-            return choose_outputs(self.study.heading.measures, self.trial.flight, [])
-        except ConfigError as wrong:
-            raise ConfigError(f"{self.study.path.name}: {wrong}") from None
+        return asked_of(self.study, self.trial.flight, [])
 
     def batch(self, first: int, count: int) -> Batch:
         """Return what becomes of ``count`` members from ``first`` on."""
-        draws = self.study.draws
-        drawn, seeds = draws.drawn(first, count), draws.seeds(first, count)
-        outputs = np.full((count, len(self.outputs)), np.nan)
-        troubles: list[str | None] = [None] * count
-        for i in range(count):
-            numbers = member(drawn, i)
-            try:
-                outing = go_out(plan_of(self.study, numbers, int(seeds[i])))
-            except ConfigError as wrong:
-                troubles[i] = wrong.problems[0]
-                continue
-            troubles[i] = outing.flight.lost or outing.refused or None
-            if troubles[i] is None:
-                outputs[i] = read_off(self.outputs, outing.flight, [])
-        return Batch(np.arange(first, first + count), seeds, drawn, outputs, tuple(troubles))
+        return fly_each(self.study.draws, first, count, len(self.outputs), self._flown)
+
+    def _flown(self, drawn: dict[str, Any], seed: int) -> list[float]:
+        """Return the numbers of one member; ConfigError why there are none."""
+        outing = go_out(plan_of(self.study, drawn, seed))
+        if outing.flight.lost or outing.refused:
+            raise ConfigError(outing.flight.lost or outing.refused)
+        return read_off(self.outputs, outing.flight, [])

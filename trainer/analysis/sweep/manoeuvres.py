@@ -15,7 +15,7 @@ from trainer.analysis.manoeuvres.submarine import COLUMNS, LAWS, STEEPEST, Rig, 
 from trainer.analysis.series import Series
 from trainer.analysis.sweep import fleets
 from trainer.analysis.sweep.batch import Batch, member
-from trainer.analysis.sweep.outputs import Output, choose_outputs, read_off
+from trainer.analysis.sweep.outputs import Output, asked_of, read_off
 from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.script import Script, script_of
 from trainer.analysis.sweep.study import Study, method_of
@@ -54,27 +54,29 @@ def case_of(study: Study, drawn: Mapping[str, Any]) -> Case:
     return Case(file, method_of(study.method, file), rig, table)
 
 
-def manoeuvre_of(case: Case, boat: Any) -> Manoeuvre:
-    """Return the manoeuvre of a case for a vehicle; ConfigError if it cannot fly it."""
-    told = asdict(case.table)
+def manoeuvre_of(table: ManoeuvreTable, vehicle: Any) -> Manoeuvre:
+    """Return the manoeuvre of a study for a vehicle; ConfigError if it cannot fly it."""
+    told = asdict(table)
     given = {name: told[key] for name, key in PARAMETERS.items() if told[key] is not None}
     try:
-        manoeuvre = adjust(case.table.name, boat, given)
+        manoeuvre = adjust(table.name, vehicle, given)
     except ConfigError as wrong:
         raise ConfigError(f"[manoeuvre] {str(wrong).removeprefix('--')}") from None
-    if case.table.depth_kept is None:
+    if table.depth_kept is None:
         return manoeuvre
     if not hasattr(manoeuvre, "keep") or "keep" not in asdict(manoeuvre):
-        raise ConfigError(f"[manoeuvre] depth_kept: {case.table.name} has no such choice")
-    return replace(manoeuvre, keep=("depth",) * case.table.depth_kept)  # type: ignore[call-arg]
+        raise ConfigError(f"[manoeuvre] depth_kept: {table.name} has no such choice")
+    return replace(manoeuvre, keep=("depth",) * table.depth_kept)  # type: ignore[call-arg]
 
 
-def speed_of(case: Case) -> float:
-    """Return the speed [m/s] that a case begins with; ConfigError for a speed at rest."""
-    if not find_manoeuvre(case.table.name).from_rest:
-        knots = case.table.speed_kn
-        return (case.file.run.start_speed_kn if knots is None else knots) * KNOT
-    if case.table.speed_kn is not None:
+def speed_of(table: ManoeuvreTable, usual: float) -> float:
+    """Return the speed [m/s] that a member begins with; ConfigError for a speed at rest.
+
+    It is ``usual`` [kn] if the study has none.
+    """
+    if not find_manoeuvre(table.name).from_rest:
+        return (usual if table.speed_kn is None else table.speed_kn) * KNOT
+    if table.speed_kn is not None:
         raise ConfigError("[manoeuvre] speed_kn: this manoeuvre starts from rest")
     return 0.0
 
@@ -82,8 +84,13 @@ def speed_of(case: Case) -> float:
 def fly_case(case: Case) -> tuple[Manoeuvre, Flight]:
     """Return the manoeuvre of a case and its flight; ConfigError if it cannot begin."""
     boat = Submarine(case.file, case.method, case.rig)
-    manoeuvre = manoeuvre_of(case, boat)
-    return manoeuvre, fly(boat, manoeuvre, speed_of(case))
+    manoeuvre = manoeuvre_of(case.table, boat)
+    return manoeuvre, fly(boat, manoeuvre, _speed(case))
+
+
+def _speed(case: Case) -> float:
+    """Return the speed [m/s] that a boat begins with; ConfigError for a speed at rest."""
+    return speed_of(case.table, case.file.run.start_speed_kn)
 
 
 TOGETHER, ALONE = 512, 16  # members of a chunk
@@ -108,11 +115,7 @@ class Manoeuvring:
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
         """Return what is kept of each member. ConfigError if the study asks for what is not."""
-        try:
-            measures = self.trial.measures(self.flight)
-            return choose_outputs(self.study.heading.measures, self.flight, measures)
-        except ConfigError as wrong:
-            raise ConfigError(f"{self.study.path.name}: {wrong}") from None
+        return asked_of(self.study, self.flight, self.trial.measures(self.flight))
 
     @cached_property
     def together(self) -> bool:
@@ -194,7 +197,7 @@ class Manoeuvring:
                 case = case_of(self.study, member(drawn, i))
                 boat = self.boat if case.file is self.middle.file else None
                 boat = boat or Submarine(case.file, case.method, case.rig)
-                found[i] = case, manoeuvre_of(case, boat)
+                found[i] = case, manoeuvre_of(case.table, boat)
             except ConfigError:
                 continue  # it is told when the member is tried alone
         return found
@@ -227,7 +230,7 @@ class Manoeuvring:
             made = fleets.by_coefficients(self.boat.boat, changes, len(places))
         else:
             made = fleets.by_files([one.file for one, _ in own], case.method)
-        speeds = np.array([speed_of(one) for one, _ in own])
+        speeds = np.array([_speed(one) for one, _ in own])
         ready = fleets.start_members(made, case.method, speeds, self._law(case), self.trial.needs)
         schedule = fleets.join_scripts(ready, made, written)
         flight = fly_members(ready.fleet, schedule, written[0].ticks, 1, PLACED)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,9 @@ from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.manoeuvres.vehicle import Measure, largest
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
+
+if TYPE_CHECKING:
+    from trainer.analysis.sweep.study import Study
 
 # columns of a study of identifications, by the parameter's name
 DEVIATION: Final = "std dev of {}"
@@ -46,6 +49,14 @@ def of_column(name: str, flight: Flight) -> Measure | None:
     if way not in WAYS or not flight.has(column):
         return None
     return Measure(name, UNITS.get(column, "-"), WAYS[way](flight.column(column)))
+
+
+def asked_of(study: "Study", flight: Flight, measures: Sequence[Measure]) -> tuple[Output, ...]:
+    """Return what a study keeps of each member. ConfigError if it asks for what is not."""
+    try:
+        return choose_outputs(study.heading.measures, flight, measures)
+    except ConfigError as wrong:
+        raise ConfigError(f"{study.path.name}: {wrong}") from None
 
 
 def choose_outputs(

@@ -144,7 +144,9 @@ class Heading:
 
     schema: str = of(Choice(("sweep/1",), "form of the file"))
     name: str = of(Text(79, "what is studied"))
-    vessel: str | None = optional(Text(200, "name of a boat, or path of its file; else bb2"))
+    vessel: str | None = optional(
+        Text(200, "a boat's name, or path of its or a ship's file; else bb2")
+    )
     measures: tuple[str, ...] | None = optional(
         Texts(Text(60, "what is kept of each member; else all there is"), 200)
     )
@@ -248,7 +250,7 @@ class Vary:
     distribution: str | None = optional(
         Choice(
             ("uniform", "normal", "triangular", ESTIMATE),
-            "instead of values; estimate: whole draws of a boat of `trainer estimate`, key vessel",
+            "instead of values; estimate: whole draws of a boat or a fitted ship, key vessel",
         )
     )
     low: float | None = optional(Quantity("key's", within(-BIG, BIG), "of uniform, triangular"))

@@ -75,7 +75,7 @@ def report_of(opened: Opened, table: Any, file: str) -> Report:
         each[text] = each.get(text, 0) + 1
     most = sorted(each.items(), key=lambda item: (-item[1], item[0]))[:TOLD]
     columns = {output.name: _numbers(table, output.name) for output in opened.subject.outputs}
-    variables = [variable.row.name for variable in study.variables]
+    variables = [one.row.name for one in study.variables if one.draw is None]
     drawn = {name: np.array(table.column(name).to_pylist()) for name in variables}
     return Report(
         study=study.heading.name,

@@ -1,11 +1,12 @@
 """A study from its file: the common part, the differences, the outputs."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.analysis.estimate.uncertainty import Estimate, drawn_tables, filed_estimate
+from trainer.analysis.estimate.uncertainty import drawn_tables, filed_estimate, filed_joint
 from trainer.analysis.sweep.draws import GRID, Draws
 from trainer.analysis.sweep.records import (
     ESTIMATE,
@@ -35,12 +36,14 @@ from trainer.config.files import (
     as_table,
     beside,
     collecting,
+    is_path,
     nearest,
     parse_toml,
     path_named,
     quote,
     read_text,
 )
+from trainer.config.identification import SHIP
 from trainer.config.schema import described, file_schema, object_schema, read_record, record_schema
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.scheme import RUNGE_KUTTAS
@@ -63,6 +66,8 @@ OF: Final[Mapping[str | None, tuple[str, ...]]] = {  # keys of [[vary]] that say
 }
 WHOLE: Final = "vessel"  # the key of draws of an estimate
 
+Draw = Callable[[Tables, int], Tables]  # puts a draw of that number into a vessel's tables
+
 
 @dataclass(frozen=True)
 class Variable:
@@ -71,7 +76,7 @@ class Variable:
     row: Vary
     steps: tuple[Step, ...]
     base: float | None  # what its factors are of; None: it takes the place
-    estimate: Estimate | None = None  # what the value is a draw of
+    draw: Draw | None = None  # where the value is the number of a draw
 
     def value(self, drawn: Any) -> Any:
         """Return what takes the place."""
@@ -86,7 +91,7 @@ class Study:
     heading: Heading
     kind: str
     method: MethodTable
-    file: VesselFile | None  # of the boat; None where a ship is identified
+    file: VesselFile | None  # of the boat; None of a ship
     tables: Tables  # that may be varied, as the files have them
     variables: tuple[Variable, ...]
     draws: Draws
@@ -94,11 +99,10 @@ class Study:
     def varied(self, drawn: Mapping[str, Any]) -> Any:
         """Return the tables with the numbers of one member in them."""
         tables: Any = self.tables
-        for variable in sorted(self.variables, key=lambda each: each.estimate is None):
-            if variable.estimate is not None:
+        for variable in sorted(self.variables, key=lambda each: each.draw is None):
+            if variable.draw is not None:
                 number = int(drawn[variable.row.name])
-                vessel = drawn_tables(variable.estimate, tables["vessel"], number)
-                tables = {**tables, "vessel": vessel}
+                tables = {**tables, WHOLE: variable.draw(tables[WHOLE], number)}
                 continue
             tables = change_value(tables, variable.steps, variable.value(drawn[variable.row.name]))
         return tables
@@ -225,11 +229,22 @@ def _subject(
     if kind == MANOEUVRE:
         read_record(ManoeuvreTable, own, place.inside(kind), ("note",))
         own.pop("note", None)
+        ship = _ship_tables(beside(path, name or "bb2"))
+        if ship is not None:
+            return None, {WHOLE: ship, kind: own}
     else:
         own = _exercise(own, heading, path)
         name = name or own.get("vessel")
     file = load_vessel(beside(path, name or "bb2"))
-    return file, {"vessel": vessel_tables(file), kind: own}
+    return file, {WHOLE: vessel_tables(file), kind: own}
+
+
+def _ship_tables(name: str) -> dict[str, Any] | None:
+    """Return the tables of a ship that was identified; None of a boat."""
+    if not is_path(name):
+        return None
+    table = parse_toml(read_text(Path(name)), Path(name).name)
+    return table if table.get("schema") == SHIP else None
 
 
 def _exercise(own: dict[str, Any], heading: Heading, path: Path) -> dict[str, Any]:
@@ -261,15 +276,23 @@ def _variables(parts: Mapping[str, Any], place: Place) -> tuple[Variable, ...]:
 
 
 def _drawn_or_one(row: Vary, parts: Mapping[str, Any], place: Place) -> Variable:
-    """Return draws of an estimated boat, or one number that varies; ConfigError."""
+    """Return draws of a whole boat or ship, or one number that varies; ConfigError."""
+    tables = parts["tables"]
     if row.distribution != ESTIMATE:
-        return _variable(row, parts["tables"], ROOTS[parts["kind"]], place)
-    if parts["file"] is None or row.key != WHOLE:
-        told = f"must be {WHOLE}: an estimate is drawn whole, of a boat"
+        return _variable(row, tables, ROOTS[parts["kind"]], place)
+    if WHOLE not in tables or row.key != WHOLE:
+        told = f"must be {WHOLE}: an estimate is drawn whole, of a boat or a ship"
         raise ConfigError(place.wrong("key", row.key, told))
     if row.relative:
         raise ConfigError(place.wrong("relative", row.relative, "an estimate has no factor"))
-    return Variable(row, (WHOLE,), None, filed_estimate(parts["file"], parts["tables"][WHOLE]))
+    return Variable(row, (WHOLE,), None, _draw_of(parts["file"], tables[WHOLE], place))
+
+
+def _draw_of(file: VesselFile | None, table: Tables, place: Place) -> Draw:
+    """Return what draws the coefficients of a boat, or of a ship; ConfigError if nothing can."""
+    if file is None:
+        return filed_joint(table, place).drawn_tables
+    return partial(drawn_tables, filed_estimate(file, table))
 
 
 def _variable(row: Vary, tables: Tables, roots: tuple[str, ...], place: Place) -> Variable:

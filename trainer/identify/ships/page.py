@@ -1,15 +1,18 @@
 """A fitted ship as a page, as a plot, and as a table of coefficients."""
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report.plots import Curve, Panel, Screen
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
+from trainer.identify.pages import identify as sheets
+from trainer.identify.ships.records import Trial
 from trainer.identify.ships.results import (
     OUTPUTS,
     SCALES,
@@ -24,6 +27,7 @@ from trainer.identify.ships.results import (
 from trainer.io.atomic_write import write_whole
 
 NOISE_UNITS: Final = ("m/s/rt(s)", "m/s/rt(s)", "rad/s/rt(s)", "m/s", "m/s", "rad/s", "rad")
+CAUSES: Final = ("v'", "r'", "rudder")
 
 
 def render(report: Report) -> str:
@@ -160,42 +164,57 @@ def _whiteness_lines(report: Report) -> list[str]:
 
 def panels(found: Identified) -> tuple[Panel, ...]:
     """Return the records with their predictions, and residual accelerations against causes."""
-    problem, a = found.fit.problem, found.fit.found.a
-    drawn = []
-    for trial in (*problem.trials, *found.held):
-        sailed = problem.sail(a, trial)
-        for i, output in enumerate(OUTPUTS):
-            curves = (
-                Curve("measured", trial.t, SCALES[i] * trial.readings[:, i], points=True),
-                Curve("by inputs alone", trial.t, SCALES[i] * sailed[:, i]),
-            )
-            title = f"{output}, {Path(trial.source).name}"
-            drawn.append(Panel(title, "time [s]", f"[{UNITS[i]}]", curves))
-    return (*drawn, *_residual_panels(found))
+    return tuple(panel for screen in screens(found) for panel in screen.panels)
 
 
-def _residual_panels(found: Identified) -> tuple[Panel, ...]:
-    """Return the accelerations left over against v', r' and the rudder."""
+def screens(found: Identified) -> tuple[Screen, ...]:
+    """Return all figures of a fit in groups, each for one screen."""
+    groups: dict[str, Iterator[Panel]] = {}
+    for what, trials in (("Record", found.fit.problem.trials), ("Held back", found.held)):
+        for number, trial in enumerate(trials, 1):
+            name = what if len(trials) == 1 else f"{what} {number}"
+            groups[name] = _record_panels(found, trial)
+    groups |= {f"Left over by {cause}": _residual_panels(found, cause) for cause in CAUSES}
+    return sheets.screens_of(groups)
+
+
+def sheet(found: Identified) -> str:
+    """Return the page of HTML; it needs no other file."""
+    report = found.report
+    return sheets.sheet(report.ship, render(report), screens(found), report)
+
+
+def _record_panels(found: Identified, trial: Trial) -> Iterator[Panel]:
+    """Yield the readings of a record with what inputs alone predict."""
+    sailed = found.fit.problem.sail(found.fit.found.a, trial)
+    for i, output in enumerate(OUTPUTS):
+        curves = (
+            Curve("measured", trial.t, SCALES[i] * trial.readings[:, i], points=True),
+            Curve("by inputs alone", trial.t, SCALES[i] * sailed[:, i]),
+        )
+        title = f"{output}, {Path(trial.source).name}"
+        yield Panel(title, "time [s]", f"[{UNITS[i]}]", curves)
+
+
+def _residual_panels(found: Identified, cause: str) -> Iterator[Panel]:
+    """Yield the accelerations left over against v', r' or the rudder."""
     problem, a = found.fit.problem, found.fit.found.a
     length = float(problem.constants[0])
     rows = [(trial, *residual_accelerations(problem, a, trial)) for trial in problem.trials]
-    drawn = []
-    for name in ("v'", "r'", "rudder"):
-        for i, output in enumerate(OUTPUTS[:3]):
-            curves = tuple(
-                Curve(
-                    Path(trial.source).name,
-                    _cause(name, states, trial.inputs, length),
-                    left[:, i],
-                    points=True,
-                )
-                for trial, states, left in rows
+    for i, output in enumerate(OUTPUTS[:3]):
+        curves = tuple(
+            Curve(
+                Path(trial.source).name,
+                _cause(cause, states, trial.inputs, length),
+                left[:, i],
+                points=True,
             )
-            unit = "[rad/s^2]" if i == 2 else "[m/s^2]"
-            label = f"{name} [{'deg' if name == 'rudder' else '-'}]"
-            title = f"{output} acceleration left over, against {name}"
-            drawn.append(Panel(title, label, unit, curves, levels=(0.0,)))
-    return tuple(drawn)
+            for trial, states, left in rows
+        )
+        unit = "[rad/s^2]" if i == 2 else "[m/s^2]"
+        label = f"{cause} [{'deg' if cause == 'rudder' else '-'}]"
+        title = f"{output} acceleration left over, against {cause}"
+        yield Panel(title, label, unit, curves, levels=(0.0,))
 
 
 def _cause(name: str, states: Numbers, inputs: Numbers, length: float) -> Numbers:

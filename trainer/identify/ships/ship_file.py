@@ -19,6 +19,7 @@ from trainer.config.files import (
     parse_toml,
     read_text,
 )
+from trainer.config.identification import SHIP
 from trainer.config.schema import (
     Choice,
     Quantities,
@@ -26,17 +27,22 @@ from trainer.config.schema import (
     Rows,
     Text,
     above,
+    described,
+    file_schema,
+    list_schema,
     of,
     optional,
     read_record,
+    record_schema,
     tables_of,
     usual,
     within,
 )
+from trainer.config.vessel_template import toml_value
 from trainer.core.kernel import Numbers
 from trainer.identify.sources import Sensors
 
-SCHEMA: Final = "ship/1"
+SCHEMA: Final = SHIP
 FEET: Final = 500.0  # [m] the longest ship is shorter
 UNIT_NAMES: Final = "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, 1/s rpm"
 CHANNELS: Final = (
@@ -44,6 +50,7 @@ CHANNELS: Final = (
     *("north_velocity", "east_velocity", "wind_speed", "wind_from"),
     *("wind_ahead", "wind_starboard"),
 )
+MOST_ROWS: Final = 100  # of a covariance, for editors
 LARGE: Final = within(-1e9, 1e9)
 RANGES: Final = ("v", "r", "rudder", "speed")  # v' and r' [-], [rad], [m/s]
 
@@ -152,7 +159,12 @@ def load_ship(path: Path) -> ShipFile:
 
 def parse_ship(text: str, path: Path) -> ShipFile:
     """Return the ship in ``text``, which came from ``path``; ConfigError with all faults."""
-    place, table = Place(path.name, ""), parse_toml(text, path.name)
+    return read_ship(parse_toml(text, path.name), path)
+
+
+def read_ship(table: Mapping[str, Any], path: Path) -> ShipFile:
+    """Return the ship in the tables of the file ``path``; ConfigError with all faults."""
+    place = Place(path.name, "")
     known = ("schema", "name", *TABLES, "columns", *("coefficients", "covariance", "ranges"))
     problems = [
         place.wrong(key, value, f"no such key{nearest(key, known)}")
@@ -223,7 +235,8 @@ def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
 
 def ship_text(ship: ShipFile, source: str) -> str:
     """Return the text of a ship's file."""
-    lines = [f'schema = "{SCHEMA}"', f'name = "{ship.name}"', f'source = "{source}"']
+    told = {"schema": SCHEMA, "name": ship.name, "source": source}
+    lines = [f"{key} = {toml_value(value)}" for key, value in told.items()]
     lines += _table_lines("dimensions", ship.dimensions)
     lines += _table_lines("records", ship.records)
     for column in ship.columns:
@@ -248,9 +261,26 @@ def _table_lines(name: str, record: Any) -> list[str]:
         value = getattr(record, item.name)
         if value is None or value == ():
             continue
-        text = f"[{', '.join(map(repr, value))}]" if isinstance(value, tuple) else repr(value)
-        lines.append(f"{item.name} = {text.replace(chr(39), chr(34))}")
+        lines.append(f"{item.name} = {toml_value([*value] if isinstance(value, tuple) else value)}")
     return lines if len(lines) > 2 else []
+
+
+def ship_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a ship's file."""
+    heading = record_schema(ShipHeading, ("note", "source"))
+    tables = {name: record_schema(record, ("note",)) for name, record in TABLES.items()}
+    row = list_schema(NUMBER.schema, 1, MOST_ROWS)
+    numbers = {
+        "coefficients": ("accelerations in prime units", NUMBER.schema),
+        "covariance": ("rows in the order of the names", row),
+        "ranges": ("seen in the records", list_schema(NUMBER.schema, 2, 2)),
+    }
+    named = {
+        key: {"type": "object", "description": told, "additionalProperties": each}
+        for key, (told, each) in numbers.items()
+    }
+    keys = {**heading["properties"], **tables, "columns": described(COLUMNS), **named}
+    return file_schema("ship", keys, (*heading["required"], "dimensions"))
 
 
 def key_tables() -> str:

@@ -1,23 +1,32 @@
-"""An identified ship under the orders of a manoeuvre, with its uncertainty."""
+"""An identified ship under the orders of a manoeuvre or a study, with its uncertainty."""
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
+from functools import cached_property
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.manoeuvres.flight import Flight
+from trainer.analysis.estimate.uncertainty import Joint
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.page import Report, fly_vehicle, format_measure
 from trainer.analysis.manoeuvres.page import render as render_flight
 from trainer.analysis.manoeuvres.vehicle import Control, LostError, Measure
 from trainer.analysis.report.text import table, wrap
-from trainer.config.files import ConfigError
+from trainer.analysis.sweep.batch import Batch, fly_each
+from trainer.analysis.sweep.manoeuvres import ALONE, manoeuvre_of, speed_of
+from trainer.analysis.sweep.outputs import Output, asked_of, read_off
+from trainer.analysis.sweep.records import ManoeuvreTable
+from trainer.analysis.sweep.study import Study
+from trainer.config.files import ConfigError, Place
+from trainer.config.schema import read_record
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import sail_record
 from trainer.identify.kernels.ship_forces import ROWS, add_terms, set_terms
 from trainer.identify.ships.models import NONLINEAR, model_of
-from trainer.identify.ships.ship_file import ShipFile
+from trainer.identify.ships.ship_file import ShipFile, read_ship
 from trainer.units import KNOT
 
 COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")
@@ -30,6 +39,10 @@ FEWEST_DRAWS: Final = 20  # of a long manoeuvre,
 MOST_CYCLES: Final = 600_000  # so that all of them together take no more
 MOST_LOST: Final = 0.5  # [-] of the draws
 BEYOND: Final = 1.05  # [-] of the range seen, from which it is told
+OF_BOATS: Final = {
+    "method": ("equations", "rates", "trig", "integrator"),
+    "manoeuvre": ("depth_kept", "controls", "trim", "law"),
+}
 
 
 class IdentifiedShip:
@@ -158,18 +171,13 @@ class IdentifiedShip:
         self._time += h
 
 
-def draws(ship: ShipFile, count: int, seed: int = 1) -> Iterator[ShipFile]:
+def draws(ship: ShipFile, count: int) -> Iterator[ShipFile]:
     """Yield ships drawn from what the records leave open."""
     if ship.covariance is None:
         return
-    sizes, vectors = np.linalg.eigh(ship.covariance)
-    root = vectors * np.sqrt(np.maximum(sizes, 0.0))
-    middle = np.array([ship.coefficients[name] for name in ship.uncertain])
-    stream = np.random.default_rng(seed)
-    for _ in range(count):
-        values = middle + root @ stream.standard_normal(len(middle))
-        drawn = dict(zip(ship.uncertain, map(float, values), strict=True))
-        yield replace(ship, coefficients={**ship.coefficients, **drawn})
+    known = Joint({name: ship.coefficients[name] for name in ship.uncertain}, ship.covariance)
+    for number in range(1, count + 1):
+        yield replace(ship, coefficients={**ship.coefficients, **known.draw(number)})
 
 
 @dataclass(frozen=True)
@@ -261,3 +269,55 @@ def render(report: ShipReport) -> str:
     lost = f", {report.draws_lost} of them lost" if report.draws_lost else ""
     lines = wrap(f"Where 95 % of {report.draws} ships lie, drawn from the covariance{lost}:")
     return "\n".join([text, "", *lines, *table(("measure", "from", "to", "unit"), rows)])
+
+
+class Sailing:
+    """The members of a study that sail an identified ship, one by one."""
+
+    chunk = ALONE
+
+    def __init__(self, study: Study) -> None:
+        """Take the study; ConfigError if its middle member cannot sail."""
+        self.study = study
+        self.trial, self.flight = self._sailed(study.draws.middle())
+
+    @cached_property
+    def outputs(self) -> tuple[Output, ...]:
+        """Return what is kept of each member. ConfigError if the study asks for what is not."""
+        return asked_of(self.study, self.flight, self.trial.measures(self.flight))
+
+    def batch(self, first: int, count: int) -> Batch:
+        """Return what becomes of ``count`` members from ``first`` on."""
+        return fly_each(self.study.draws, first, count, len(self.outputs), self._numbers)
+
+    def _numbers(self, drawn: Mapping[str, Any], seed: int) -> list[float]:
+        """Return the numbers of one member; ConfigError why there are none."""
+        del seed  # nothing is random in calm water
+        manoeuvre, flight = self._sailed(drawn)
+        if flight.lost:
+            raise ConfigError(flight.lost)
+        return read_off(self.outputs, flight, manoeuvre.measures(flight))
+
+    def _sailed(self, drawn: Mapping[str, Any]) -> tuple[Manoeuvre, Flight]:
+        """Return manoeuvre and flight of one member; ConfigError if it cannot begin."""
+        tables, path = self.study.varied(drawn), self.study.path
+        inside = Place(path.name, "manoeuvre")
+        table = read_record(ManoeuvreTable, tables["manoeuvre"], inside, ())
+        _check_words(self.study, table)
+        named = Path(self.study.heading.vessel or "")
+        ship = IdentifiedShip(read_ship(tables["vessel"], named), self.study.method.step_s)
+        manoeuvre = manoeuvre_of(table, ship)
+        return manoeuvre, fly(ship, manoeuvre, speed_of(table, ship.speed_kn))
+
+
+def _check_words(study: Study, table: ManoeuvreTable) -> None:
+    """Check that a study has no words for boats alone; ConfigError with all it has."""
+    given = {"method": asdict(study.method), "manoeuvre": asdict(table)}
+    problems = [
+        Place(study.path.name, where).wrong(key, given[where][key], "is for boats, not for ships")
+        for where, keys in OF_BOATS.items()
+        for key in keys
+        if given[where][key] is not None
+    ]
+    if problems:
+        raise ConfigError(*problems)

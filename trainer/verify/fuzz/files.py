@@ -4,6 +4,7 @@ import functools
 import re
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Final
@@ -25,6 +26,8 @@ from trainer.core.kernel import Record
 from trainer.identify.decca_study import load_decca, load_readings
 from trainer.identify.estimate import resume
 from trainer.identify.nomoto import load_nomoto
+from trainer.identify.ships.ship_file import parse_ship, ship_text
+from trainer.identify.ships.vehicle import IdentifiedShip
 from trainer.identify.sources import Column, load_record
 from trainer.identify.study import load_study
 from trainer.identify.system_files import load_system
@@ -98,6 +101,51 @@ free = false
 [[parameters]]
 name = "s"
 start = 1e-2
+"""
+SHIP: Final = b"""schema = "ship/1"
+name = "A tanker"
+[dimensions]
+length_m = 320.0
+propeller_diameter_m = 9.86
+wake_fraction = 0.4
+thrust = [0.33, -0.30, -0.12]
+[records]
+positive_rudder = "starboard"
+[sensors]
+sway_kn = 0.04
+[[columns]]
+channel = "rudder"
+column = "delta"
+unit = "deg"
+[result]
+model = "linear"
+speed_kn = 15.0
+revolutions_per_s = 1.4
+[coefficients]
+X_0 = -0.05
+X_T = 38.0
+X_vv = 0.0
+X_vr = 1.6
+X_rr = 0.0
+X_dd = -0.1
+Y_0 = 0.0
+Y_v = -0.6
+Y_r = -0.4
+Y_d = -0.1
+N_0 = 0.0
+N_v = -1.0
+N_r = -1.8
+N_d = 0.6
+gamma = 0.5
+l = -0.71
+kappa = 0.5
+c_w = 0.0
+gamma_a = 0.0
+[covariance]
+Y_d = [0.01, 0.001]
+N_d = [0.001, 0.02]
+[ranges]
+rudder = [-0.2, 0.2]
 """
 DECCA: Final = b"""schema = "decca/1"
 name = "A turn"
@@ -225,6 +273,21 @@ def vessel(text: str, path: Path) -> None:
             raise AssertionError("something in its records is no number")
 
 
+def ship(text: str, path: Path) -> None:
+    """Read the file of a ship, write it and read it again; let it sail."""
+    found = parse_ship(text, path)
+    plain = replace(found, result=None, covariance=None)
+    again = parse_ship(ship_text(plain, found.name), path)
+    if (again.name, again.dimensions, again.records) != (
+        found.name,
+        found.dimensions,
+        found.records,
+    ):
+        raise AssertionError("what is written is another ship")
+    if found.result is not None:
+        IdentifiedShip(found)
+
+
 def condition(data: bytes) -> None:
     """Read a condition on the state."""
     with suppress(ConfigError):
@@ -320,6 +383,7 @@ TARGETS: Final = (
     Target(
         "study", "a study of a ship from its record", load_proof(load_study), lambda: [STUDY], 512
     ),
+    Target("ship", "a ship that is not linear", text(ship), lambda: [SHIP], 1200, spared=()),
     Target(
         "nomoto",
         "a ship of a few parameters",
