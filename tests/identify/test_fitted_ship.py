@@ -1,5 +1,6 @@
 """The Python face of fits: arrays, frames and files in; numbers, predictions and plots out."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -8,11 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.places import environment
+from helpers.ships import COEFFICIENTS, SHIP, sailed_zigzag
 
 import trainer
 from trainer import identify
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.nomoto import load_nomoto
+from trainer.identify.ships.ship_file import load_ship, ship_text
 
 pytest.importorskip("scipy")
 
@@ -145,3 +148,111 @@ def test_what_cannot_be_fitted_is_named(change: Any, keywords: Any, told: str) -
     frame = {name: column for name, column in (motion(1) | change).items() if column is not None}
     with pytest.raises(trainer.TrainerError, match=told):
         identify.fit(frame, "nomoto1", **{"length": 120, "speed": 12, **keywords})
+
+
+def zigzag(angle: float, seed: int) -> dict[str, Any]:
+    """Return the arrays of a zig-zag of a tanker, a positive rudder to port."""
+    trial, _ = sailed_zigzag(angle, seed)
+    u, v, r, psi, rudder, n = trial.table.T[:6]
+    motion = {"speed": u, "sway": v, "yaw_rate": r, "heading": psi}
+    return {"t": trial.t, "rudder": -rudder, "n": n} | motion
+
+
+@pytest.fixture(scope="module")
+def dimensions(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the path of the tanker's dimensions."""
+    path = tmp_path_factory.mktemp("ships") / "ship.toml"
+    path.write_text(ship_text(SHIP, "a test"), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def tanker(dimensions: Path) -> Any:
+    return identify.fit(zigzag(20.0, 1), "mmg", ship=dimensions)
+
+
+def test_a_ship_that_is_not_linear_is_found_from_arrays(tanker: Any, tmp_path: Path) -> None:
+    assert tanker.converged
+    assert abs(tanker.parameters["N_F"] - COEFFICIENTS["N_F"]) < 4.0 * tanker.deviations["N_F"]
+    names = list(tanker.parameters)
+    assert tanker.covariance.shape == (len(names), len(names))
+    assert np.sqrt(np.diag(tanker.covariance)) == pytest.approx(list(tanker.deviations.values()))
+    assert tanker.prior_share["l"] > 0.9 > tanker.prior_share["N_F"]
+    assert any({"N_vrr", "N_vvr"} <= set(parts) for parts in tanker.untold)
+    (cost,) = re.findall(r"-log L with the prior (\S+)", repr(tanker))
+    assert tanker.log_likelihood > -float(cost)  # the prior takes some off
+    assert "IDENTIFICATION OF A SHIP, model mmg" in repr(tanker)
+    tanker.write(tmp_path / "found.toml")
+    found = load_ship(tmp_path / "found.toml")
+    assert found.coefficients["N_F"] == tanker.parameters["N_F"]
+    assert found.covariance == pytest.approx(tanker.covariance, rel=1e-6, abs=1e-12)
+    pytest.importorskip("matplotlib")
+    assert len(tanker.plot().axes) == 13
+
+
+def test_it_predicts_a_record_that_it_has_not_seen_in_the_units_of_the_fit(
+    tanker: Any, dimensions: Path
+) -> None:
+    other = zigzag(-10.0, 7)
+    found = tanker.predict(other)
+    left = np.std(found["yaw_rate"] - other["yaw_rate"])
+    assert left < 0.2 * np.std(other["yaw_rate"])
+    assert list(found) == ["t", "speed", "sway", "yaw_rate", "heading"]
+
+    own = zigzag(20.0, 1)
+    frame = own | {"helm": -np.degrees(own["rudder"]), "rpm": 60.0 * own["n"]}
+    frame |= {"log": own["speed"] / 0.514444444444444}
+    again = identify.fit(
+        {name: frame[name] for name in ("t", "helm", "rpm", "log", "sway", "yaw_rate", "heading")},
+        "linear",
+        ship=dimensions,
+        columns={"rudder": "helm", "revolutions": "rpm", "speed": "log"},
+        units={"rudder": "deg", "revolutions": "rpm", "speed": "kn"},
+        positive_rudder="starboard",
+    )
+    plain = identify.fit(own, "linear", ship=dimensions)
+    assert again.parameters == pytest.approx(plain.parameters, rel=1e-4, abs=1e-6)
+    assert again.predict(frame)["speed"] * 0.514444444444444 == pytest.approx(
+        plain.predict(own)["speed"], rel=1e-4
+    )
+
+
+def test_records_of_one_ship_are_fitted_together_and_may_be_files(
+    dimensions: Path, tmp_path: Path
+) -> None:
+    frames = [zigzag(20.0, 1), zigzag(-20.0, 2)]
+    own = {"speed": "u", "sway": "v", "yaw_rate": "r", "heading": "psi", "rudder": "delta_r"}
+    rows = np.column_stack(list(frames[1].values()))
+    head = ",".join(own.get(name, name) for name in frames[1])
+    np.savetxt(tmp_path / "b.csv", rows, delimiter=",", header=head, comments="", fmt="%.17g")
+    mixed = identify.fit([frames[0], tmp_path / "b.csv"], "linear", ship=dimensions, every=2)
+    both = identify.fit(frames, "linear", ship=dimensions, every=2)
+    one = identify.fit(frames[0], "linear", ship=dimensions, every=2)
+    assert mixed.parameters == pytest.approx(both.parameters, rel=1e-9)
+    assert both.deviations["N_d"] < 0.9 * one.deviations["N_d"]
+
+
+@pytest.mark.parametrize(
+    ("change", "keywords", "told"),
+    [
+        ({"n": None}, {}, "frame: no revolutions was recorded: the propeller's slipstream"),
+        ({}, {"ship": None}, "model mmg: lacks ship"),
+        ({}, {"length": 320.0}, "length: not with model mmg"),
+        ({}, {"units": {"revolutions": "deg"}}, 'revolutions: unit "deg": must be 1/s or rps'),
+        ({}, {"prior_strength": -1.0}, "prior_strength = -1: must be 0 to 100"),
+    ],
+)
+def test_what_such_a_ship_cannot_be_fitted_to_is_named(
+    change: Any, keywords: Any, told: str, dimensions: Path
+) -> None:
+    arrays = zigzag(20.0, 1) | change
+    frame = {name: column for name, column in arrays.items() if column is not None}
+    with pytest.raises(trainer.TrainerError, match=told):
+        identify.fit(frame, "mmg", **{"ship": dimensions, **keywords})
+
+
+def test_keywords_of_books_and_several_frames_are_for_ships_that_are_not_linear() -> None:
+    with pytest.raises(trainer.TrainerError, match="ship: not with model nomoto1"):
+        fitted(motion(1), ship="ship.toml")
+    with pytest.raises(trainer.TrainerError, match="model nomoto1: takes one frame"):
+        fitted([motion(1)])

@@ -9,6 +9,7 @@ import click
 
 from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, outputs, show
+from trainer.cli.options import options_given
 from trainer.cli.shared_options import CSV, FILE, HTML, SEA, TOML, VESSEL, VESSEL_HELP, together
 from trainer.cli.types import Deeper, File
 
@@ -43,6 +44,19 @@ class Angles(click.ParamType[tuple[float, float]]):
         return angles
 
 
+class Approach(click.ParamType[tuple[float, float]]):
+    """A speed, and that whose revolutions turn the propeller: 15, or 15/8."""
+
+    name = "approach"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return both speeds [kn]."""
+        if isinstance(value, tuple):
+            return value
+        speed, _, held = str(value).partition("/")
+        return AHEAD.convert(speed, param, ctx), AHEAD.convert(held or speed, param, ctx)
+
+
 def sensor(name: str, default: float, text: str) -> Any:
     """Return an option for the standard deviation of a sensor."""
     limits = Number(0.0, 100.0)
@@ -54,6 +68,14 @@ sensor_options = together(
     sensor("sway", 0.05, "Standard deviation of the log, knots."),
     sensor("yaw_rate", 0.02, "Of the rate gyro, deg/s."),
     sensor("heading", 0.1, "Of the compass, degrees."),
+)
+
+strength_option = click.option(
+    "--prior-strength",
+    type=Number(0.0, 100.0),
+    default=0.5,
+    show_default=True,
+    help="Widths of what books say of a ship, times this; 0 for no book.",
 )
 
 sequence_options = together(
@@ -78,7 +100,14 @@ sequence_options = together(
 
 @click.command()
 @click.argument("vessel", type=VESSEL)
-@click.option("--speed", type=AHEAD, default=None, metavar="KN", help="[default: the vessel's]")
+@click.option(
+    "--speed",
+    "speeds",
+    type=Approach(),
+    multiple=True,
+    metavar="KN[/KN]",
+    help="[default: the vessel's] Of a ship may be repeated; 15/8 has the revolutions of 8 kn.",
+)
 @click.option("--depth", type=POSITIVE, default=None, help="Metres. [default: the vessel's]")
 @sequence_options
 @click.option("--interval", type=POSITIVE, default=None, help="Seconds between samples.")
@@ -97,30 +126,46 @@ sequence_options = together(
     show_default=True,
     help="Yaw rate that the sea alone makes, rms deg/s.",
 )
+@strength_option
 @click.option("--sea", type=SEA, default=None, metavar="NAME", help="Sea of the exercise written.")
 @click.option("--write", type=TOML, default=None, metavar="FILE", help="Write the exercise.")
 @outputs
 def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     """Design a rudder experiment and say what it will tell.
 
-    VESSEL is a name or the path of a vessel file.
+    VESSEL is a name or the path of a vessel file, or the file of a ship that is not linear. Such a
+    ship sails zig-zags; several speeds are tried one by one and together in the same time.
 
     \b
     Example:  trainer prbs bb2 --amplitude 3 --sea sea-state-3 --write trial.toml
               trainer run trial.toml --headless --speed max --record trial.trainer
               trainer identify trial.trainer --model 1 --vessel bb2
               trainer prbs bb2 --zigzag 10/10
+              trainer prbs ship.toml --zigzag 20/20 --speed 15 --speed 15/8
     """
     from trainer.config.extras import require_library  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     require_library("scipy", "trainer prbs")
+    if ships.is_ship(vessel):
+        ships.design_trials(Path(vessel), {**options, "write": write})
+        return
+    options["speed"] = _only_speed(vessel, options.pop("speeds"))
     from trainer.identify.pages import experiment as page  # noqa: PLC0415
 
     found = page.design(load_vessel(vessel), {**options, "vessel": vessel})
     if write is not None:
         _write(write, found.exercise)
     show(found.report, page.render, lambda: page.panels(found), options)
+
+
+def _only_speed(vessel: str, speeds: tuple[tuple[float, float], ...]) -> float | None:
+    """Return the speed [kn] of a boat's experiment; UsageError for what is for ships."""
+    if len(speeds) > 1 or any(speed != held for speed, held in speeds):
+        raise click.UsageError(f"--speed: {vessel} is a boat: give one speed, without a stroke")
+    if "prior_strength" in options_given():
+        raise click.UsageError(f"--prior-strength: {vessel} is a boat: no book is asked")
+    return speeds[0][0] if speeds else None
 
 
 @click.command()
@@ -224,13 +269,7 @@ model_options = together(
 
 of_ships = together(
     click.option("--ship", type=TOML, default=None, help="Dimensions, for linear to mmg."),
-    click.option(
-        "--prior-strength",
-        type=Number(0.0, 100.0),
-        default=0.5,
-        show_default=True,
-        help="Widths of what books say, times this; 0 for no book.",
-    ),
+    strength_option,
     click.option(
         "--predict", type=RECORD, multiple=True, help="A record held back, may be repeated."
     ),

@@ -18,6 +18,35 @@ FOR_OTHERS: Final = (  # options that these models do not know
     *("against", "check", "kappa", "checkpoint", "write_nomoto", "write_vessel"),
     *("simulate", "data_only", "bech", "spiral", "joint", "matrices", "csv", "system", "reject"),
 )
+FOR_BOATS: Final = (  # options of experiments that ships do not know
+    *("depth", "amplitude", "bits", "hold", "periods", "seed", "by", "sea", "write"),
+)
+
+
+def is_ship(vessel: str) -> bool:
+    """Return whether a vessel is the file of a ship that is not linear."""
+    from trainer.identify.ships import ship_file  # noqa: PLC0415
+
+    path = Path(vessel)
+    return path.suffix == ".toml" and path.is_file() and ship_file.is_ship(path)
+
+
+def design_trials(path: Path, options: dict[str, Any]) -> None:
+    """Design trials of a ship and show what they would tell."""
+    given = options_given()
+    unknown = [f"--{option}" for option in FOR_BOATS if option in given]
+    if unknown:
+        raise click.UsageError(f"{', '.join(unknown)}: not with a ship, {path.name}")
+    if options["zigzag"] is None:
+        raise click.UsageError(f"{path.name} is a ship: say its --zigzag, such as 20/20")
+    from trainer.identify.ships import trials  # noqa: PLC0415
+    from trainer.identify.ships.ship_file import load_ship  # noqa: PLC0415
+
+    ship = load_ship(path)
+    sensors = trials.sensors_of(ship, options, given)
+    with _announcing():
+        found = trials.design(ship, {**options, "sensors": sensors})
+    show(found.report, trials.render, lambda: trials.panels(found), options)
 
 
 def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:

@@ -6,14 +6,14 @@
                         speed=12)
     ship.K, ship.T1, ship.predict(other), ship.summary()
 
-Nothing is imported before ``fit`` or ``FittedShip`` is used. docs/python.md has more.
+Nothing is imported before one of the names is used. docs/python.md has more.
 """
 
-__all__ = ["FittedShip", "fit"]
+__all__ = ["FittedShip", "ManoeuvringShip", "fit"]
 
 TYPE_CHECKING = False  # type checkers take it for true
 if TYPE_CHECKING:
-    from trainer.identify.fitted_ship import FittedShip, fit
+    from trainer.identify.fitted_ship import FittedShip, ManoeuvringShip, fit
 else:
 
     def __getattr__(name: str) -> object:

@@ -1,15 +1,15 @@
 """The Python face of identification: a ship fitted to arrays or a file."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, Unpack, cast
+from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, Unpack, cast, overload
 
 import numpy as np
 
-from trainer.analysis.report.plots import draw, figure_of
+from trainer.analysis.report.plots import Panel, Screen, draw, figure_of
 from trainer.config.extras import require_library
-from trainer.config.files import ConfigError, nearest
+from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
 from trainer.identify import fitting
 from trainer.identify.measurements import CHANNELS, Record
@@ -19,6 +19,13 @@ from trainer.identify.options import as_asked, study_of
 from trainer.identify.outcome import matrices_of, nomoto_text, series_of, vessel_text
 from trainer.identify.pages.identify import render, screens
 from trainer.identify.pages.results import Identified, ShipNumber, describe
+from trainer.identify.ships import page as ships_page
+from trainer.identify.ships.models import MODELS as OF_SHIPS
+from trainer.identify.ships.records import FURTHER, Trial, load_trial, trial_of
+from trainer.identify.ships.records import OWN as OWN_OF_SHIPS
+from trainer.identify.ships.results import Identified as IdentifiedShip
+from trainer.identify.ships.results import fit_trials
+from trainer.identify.ships.ship_file import ShipFile, load_ship, ship_text
 from trainer.identify.sources import OWN, Column, check_times, factor
 from trainer.identify.study import Study, observe, plain_study
 from trainer.identify.study_records import METHODS, MODELS, NOISES, ParameterRow
@@ -55,24 +62,47 @@ class FitOptions(TypedDict, total=False):
     every: int | None
     begin: float | None
     end: float | None
+    ship: str | Path | None
+    prior_strength: float
 
 
 USUAL: Final[FitOptions] = {
-    **dict.fromkeys(("length", "speed", "vessel", "noise", "method", "every", "begin", "end")),  # type: ignore[typeddict-item]
+    **dict.fromkeys(
+        ("length", "speed", "vessel", "noise", "method", "every", "begin", "end", "ship")
+    ),  # type: ignore[typeddict-item]
     "outputs": (),
     "columns": {},
     "units": {},
     "positive_rudder": "port",
     "start": {},
     "fixed": {},
+    "prior_strength": 0.5,
 }
+OF_BOOKS: Final = ("ship", "prior_strength")  # keywords that linear ships do not take
+OF_STEERING: Final = (  # and those that ships that are not linear do not
+    *("length", "speed", "vessel", "outputs", "noise", "method", "start", "fixed"),
+)
+STRONGEST: Final = 100.0  # of the prior's strengths, as on the command line
+OfShips = Literal["linear", "mavmm", "abkowitz", "mmg"]
 
 
+@overload
+def fit(
+    frame: Frame | Sequence[Frame], model: OfShips, **keywords: Unpack[FitOptions]
+) -> "ManoeuvringShip": ...
+
+
+@overload
 def fit(
     frame: Frame,
     model: Literal["1", "2", "3", "nomoto1", "nomoto2"] | None = None,
     **keywords: Unpack[FitOptions],
-) -> "FittedShip":
+) -> "FittedShip": ...
+
+
+def fit(
+    frame: Frame | Sequence[Frame], model: Any = None, **keywords: Unpack[FitOptions]
+) -> "FittedShip | ManoeuvringShip":
     """Fit a ship to a record of rudder and motion by maximum likelihood.
 
     It is what ``trainer identify`` does.
@@ -91,6 +121,12 @@ def fit(
     ``fixed`` are numbers of parameters to begin from and to hold. One sample of ``every`` is taken,
     from ``begin`` to ``end`` [s].
 
+    ``linear``, ``mavmm``, ``abkowitz`` and ``mmg`` are of ships that are not linear, by the file
+    ``ship`` of their dimensions; ``prior_strength`` times the width of what books say. They need
+    ``speed``, ``sway`` and ``revolutions`` [1/s] (``n``) too, may have ``wind_ahead`` and
+    ``wind_starboard`` [m/s], and take a sequence of frames of one ship. ``every`` is then a mean of
+    so many samples. Columns of a CSV file are as the ship's file says.
+
     TrainerError naming what is wrong: a column that lacks, times that do not rise, a rudder that
     never moves, parameters that the record cannot separate. Look at ``converged`` and ``doubt``.
     Source: Astrom, Kallstrom, Norrbin and Bystrom, Lund 7431 (1974), with exact derivatives.
@@ -101,6 +137,18 @@ def fit(
             there = ", ".join(USUAL)
             raise ConfigError(f"no keyword {name!r}{nearest(name, USUAL)}; there are {there}")
     given: FitOptions = {**USUAL, **keywords}
+    unfit = OF_STEERING if model in OF_SHIPS else OF_BOOKS
+    if strange := [name for name in unfit if name in keywords]:
+        raise ConfigError(f"{', '.join(strange)}: not with model {model}")
+    if model in OF_SHIPS:
+        return _fit_manoeuvring(frame, model, given, keywords.get("positive_rudder"))
+    if not isinstance(frame, str | Path | Mapping) and not hasattr(frame, "keys"):
+        raise ConfigError(f"model {model}: takes one frame")
+    return _fit_steering(cast("Frame", frame), model, given)
+
+
+def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "FittedShip":
+    """Return a linear or Nomoto ship fitted to a record."""
     options: dict[str, Any] = {**given, **UNSAID, "model": model}
     for name, words in CHOICES.items():
         if options[name] not in (None, *words):
@@ -111,7 +159,7 @@ def fit(
         study, loaded = study_of(Path(frame), options), None
     else:
         study = _study_of(frame, given)
-        loaded = _record_of(frame, study.columns)
+        loaded = _record_of(_arrays_of(frame, study.columns), study.columns)
         study = as_asked(study, options)
     rows = [ParameterRow(name=name, start=x) for name, x in given["start"].items()]
     rows += [ParameterRow(name=name, start=x, free="no") for name, x in given["fixed"].items()]
@@ -121,26 +169,66 @@ def fit(
     return FittedShip(describe(fitted, tuple(map(str, observed.findings))), given["units"])
 
 
+def _fit_manoeuvring(
+    frame: Frame | Sequence[Frame], model: str, given: FitOptions, sign: str | None
+) -> "ManoeuvringShip":
+    """Return a ship that is not linear, fitted to its records."""
+    if given["ship"] is None:
+        raise ConfigError(f"model {model}: lacks ship, the file of the ship's dimensions")
+    strength = given["prior_strength"]
+    if not 0.0 <= strength <= STRONGEST:
+        raise ConfigError(f"prior_strength = {strength:g}: must be 0 to {STRONGEST:g}")
+    ship = load_ship(Path(given["ship"]))
+    sign = sign or ship.records.positive_rudder
+    ship = replace(ship, records=replace(ship.records, positive_rudder=sign))
+    one = isinstance(frame, str | Path) or hasattr(frame, "keys")
+    frames = cast("Sequence[Frame]", [frame] if one else frame)
+    trials = tuple(_trial_of(each, ship, given, given["every"] or 1) for each in frames)
+    if not trials:
+        raise ConfigError(f"model {model}: needs a frame")
+    options = {**given, "model": model, "without": ()}
+    return ManoeuvringShip(fit_trials(ship, trials, (), options, lambda *_: None), given, ship)
+
+
+def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Trial:
+    """Return a record of a ship that is not linear; arrays are what instruments have read."""
+    if isinstance(frame, str | Path):
+        return load_trial(Path(frame), ship, every)
+    columns = _columns_of(frame, given, FURTHER)
+    taken = _arrays_of(frame, columns)
+    further = {name: taken.pop(name) for name in FURTHER if name in taken}
+    return trial_of(_record_of(taken, columns), further, replace(ship, sensors=None), every)
+
+
 def _study_of(frame: Mapping[str, Any], given: FitOptions) -> Study:
     """Return the study of arrays; ConfigError for channels, columns or units that are none."""
+    found = _columns_of(frame, given, ())
+    study = plain_study(FRAME)
+    heading = replace(study.heading, positive_rudder=given["positive_rudder"])
+    return replace(study, path=FRAME, heading=heading, columns=found)
+
+
+def _columns_of(
+    frame: Mapping[str, Any], given: FitOptions, further: Iterable[str]
+) -> dict[str, Column]:
+    """Return the column of each channel, ``further`` ones among them. ConfigError."""
     columns, units = given["columns"], given["units"]
-    channels = ("t", *CHANNELS)
+    channels, known_as = ("t", *CHANNELS, *further), {**OWN, **OWN_OF_SHIPS}
     for name in (*columns, *units):
         if name not in channels:
             there = ", ".join(channels)
             raise ConfigError(f"no channel {name!r}{nearest(name, channels)}; there are {there}")
     found = {}
     for channel in channels:
-        names = [columns[channel]] if channel in columns else [channel, OWN.get(channel, channel)]
+        usual = [channel, known_as.get(channel, channel)]
+        names = [columns[channel]] if channel in columns else usual
         column = next((name for name in names if name in _names(frame)), None)
         if column is not None:
             found[channel] = Column(column, units.get(channel))
         elif channel in columns or channel in ("t", "rudder"):
             known = ", ".join(map(str, _names(frame)))
             raise ConfigError(f"frame: no column {names[0]!r} for {channel}; it has {known}")
-    study = plain_study(FRAME)
-    heading = replace(study.heading, positive_rudder=given["positive_rudder"])
-    return replace(study, path=FRAME, heading=heading, columns=found)
+    return found
 
 
 def _names(frame: Mapping[str, Any]) -> list[str]:
@@ -149,11 +237,23 @@ def _names(frame: Mapping[str, Any]) -> list[str]:
     return [*frame.keys(), *([index] if index else [])]
 
 
-def _record_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> Record:
-    """Return the record in arrays, SI; ConfigError naming a column that cannot be used."""
-    taken: dict[str, Any] = {}
+def _scale(channel: str, unit: str | None) -> float:
+    """Return what a channel's numbers are times in SI. ConfigError if it has no such unit."""
+    if unit is None:
+        return 1.0
+    if channel not in FURTHER:
+        return factor(channel, unit)
+    if unit not in FURTHER[channel]:
+        known = " or ".join(FURTHER[channel])
+        raise ConfigError(f"{channel}: unit {quote(unit)}: must be {known}")
+    return FURTHER[channel][unit]
+
+
+def _arrays_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> dict[str, Numbers]:
+    """Return arrays by channel, SI; ConfigError naming a column that cannot be used."""
+    taken: dict[str, Numbers] = {}
     for channel, column in columns.items():
-        scale = factor(channel, column.unit) if column.unit else 1.0
+        scale = _scale(channel, column.unit)
         # the index of a pandas frame is no column of it
         found = frame[column.name] if column.name in frame else cast("Any", frame).index
         values = np.asarray(found)
@@ -167,11 +267,26 @@ def _record_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> Recor
         if taken[channel].ndim != 1 or taken[channel].shape != size:
             shape = taken[channel].shape
             raise ConfigError(f"frame: {column.name}: has shape {shape}, must be {size[:1]}")
+    return taken
+
+
+def _record_of(taken: Mapping[str, Numbers], columns: Mapping[str, Column]) -> Record:
+    """Return the record of arrays by channel; ConfigError if times do not rise."""
     names = {channel: column.name for channel, column in columns.items()}
-    times = taken.pop("t")
-    record = Record(source="frame", t=times, rows=np.arange(len(times)), names=names, **taken)
+    own: dict[str, Any] = {channel: one for channel, one in taken.items() if channel != "t"}
+    rows = np.arange(len(taken["t"]))
+    record = Record(source="frame", t=taken["t"], rows=rows, names=names, **own)
     check_times(record)
     return record
+
+
+def _plotted(shown: Sequence[Panel | Screen], path: str | Path | None) -> "Figure | None":
+    """Return panels as a figure, or draw them to a file."""
+    if path is not None:
+        draw(shown, Path(path))
+        return None
+    require_library("matplotlib", "plot")
+    return figure_of(shown)
 
 
 class FittedShip:
@@ -253,7 +368,7 @@ class FittedShip:
             }
             whole = replace(fitted.study.heading, every=None, from_s=None, to_s=None)
             study = replace(fitted.study, heading=whole, sensors=None)
-            record = observe(study, _record_of(frame, columns)).record
+            record = observe(study, _record_of(_arrays_of(frame, columns), columns)).record
         problem = other_problem(fitted, record)
         return {"t": record.t, **self._in_units(alone(problem, problem.start))}
 
@@ -285,12 +400,7 @@ class FittedShip:
 
         The file is .png, .svg or .pdf. TrainerError without the extra ``plot``.
         """
-        shown = screens(self._found)
-        if path is not None:
-            draw(shown, Path(path))
-            return None
-        require_library("matplotlib", "plot")
-        return figure_of(shown)
+        return _plotted(screens(self._found), path)
 
     def write(self, path: str | Path) -> None:
         """Write the ship as a Nomoto file, which ``trainer manoeuvre`` sails.
@@ -302,3 +412,85 @@ class FittedShip:
         own = fitted.problem.plant.model.name == "1" and whole
         text = vessel_text(fitted) if own else nomoto_text(fitted, self._found.report.bend)
         Path(path).write_text(text, encoding="utf-8")
+
+
+class ManoeuvringShip:
+    """A ship that is not linear, fitted to records; ``print`` shows its page.
+
+    It has surge, sway, yaw and heading. Coefficients are accelerations in prime units, after
+    docs/nonlinear-ships.md.
+    """
+
+    def __init__(self, found: IdentifiedShip, given: FitOptions, ship: ShipFile) -> None:
+        """Take what was identified, the keywords of ``fit``, and the ship as its records mean."""
+        self._found = found
+        self._given = given
+        self._ship = ship
+
+    @property
+    def converged(self) -> bool:
+        """Return whether the fit has settled."""
+        return self._found.report.settled
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Return the estimated coefficients by name."""
+        return {one.name: one.value for one in self._found.report.coefficients}
+
+    @property
+    def deviations(self) -> dict[str, float]:
+        """Return the standard deviations of ``parameters``."""
+        return {one.name: one.deviation for one in self._found.report.coefficients}
+
+    @property
+    def covariance(self) -> Numbers:
+        """Return the covariance (p, p) of ``parameters``, in their order."""
+        p = len(self._found.report.coefficients)
+        return self._found.fit.covariance[:p, :p].copy()
+
+    @property
+    def prior_share(self) -> dict[str, float]:
+        """Return the part of each coefficient's precision that books gave, 0 to 1."""
+        return {one.name: one.prior_share for one in self._found.report.coefficients}
+
+    @property
+    def untold(self) -> list[dict[str, float]]:
+        """Return the combinations that the records do not tell, the worst first."""
+        return [one.parts for one in self._found.report.untold]
+
+    @property
+    def log_likelihood(self) -> float:
+        """Return log L [-], without the prior."""
+        fitted = self._found.fit
+        return fitted.problem.penalty(fitted.found.a) - fitted.found.cost
+
+    def predict(self, frame: Frame) -> dict[str, Numbers]:
+        """Return speed, sway, yaw rate and heading (n,) by inputs alone.
+
+        ``frame`` and units are as for ``fit``. Rudder, revolutions and wind drive it from the first
+        of its readings. NaN from where it is no ship under way.
+        """
+        trial = _trial_of(frame, self._ship, self._given, 1)
+        sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)
+        units, names = self._given["units"], ("speed", "sway", "yaw_rate", "heading")
+        found = {name: sailed[:, i] / _scale(name, units.get(name)) for i, name in enumerate(names)}
+        return {"t": trial.t, **found}
+
+    def summary(self) -> str:
+        """Return the page of ``trainer identify``."""
+        return ships_page.render(self._found.report)
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+    def plot(self, path: str | Path | None = None) -> "Figure | None":
+        """Return matplotlib's figure of all plots, or draw them to a file.
+
+        The file is .png, .svg or .pdf. TrainerError without the extra ``plot``.
+        """
+        return _plotted(ships_page.panels(self._found), path)
+
+    def write(self, path: str | Path) -> None:
+        """Write the ship with its covariance, as a file that ``trainer manoeuvre`` sails."""
+        source = "trainer.identify.fit, " + ", ".join(self._found.report.sources)
+        Path(path).write_text(ship_text(self._found.ship, source), encoding="utf-8")

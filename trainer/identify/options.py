@@ -101,7 +101,7 @@ def _model(study: Study, options: dict[str, Any]) -> ModelTable:
     if kind not in MODELS:
         raise ConfigError(
             f"model {kind}: is fitted by the command: trainer identify RECORD --model {kind} "
-            "--ship FILE"
+            "--ship FILE, or trainer.identify.fit"
         )
     outputs = tuple(options["channels"]) or (study.model.outputs if study.model else ())
     outputs = outputs or tuple(name for name in USUAL if name in study.channels)

@@ -76,19 +76,25 @@ def pose(
     model: Model, constants: Numbers, trials: Sequence[Trial], prior: Prior, strength: float
 ) -> tuple[Problem, Numbers]:
     """Return the problem of fitting a model to records, and where its search begins."""
+    problem = problem_of(model, constants, trials, prior, strength)
+    noise, firsts = problem.mean[len(model.free) :], map(first_state, problem.trials)
+    return problem, np.concatenate([_regression(problem), noise, *firsts])
+
+
+def problem_of(
+    model: Model, constants: Numbers, trials: Sequence[Trial], prior: Prior, strength: float
+) -> Problem:
+    """Return the problem of fitting a model to records, with what books say."""
     trials = tuple(trials)
     p = len(model.free)
     mean, width = np.zeros(p + 7), np.full(p + 7, math.inf)
     for j, name in enumerate(model.free):
         if name in prior and strength > 0.0:
             mean[j], width[j] = prior[name][0], prior[name][1] * strength
-    noise = _first_noise(trials)
-    mean[p:], width[p : p + 3] = noise, WIDTH
+    mean[p:], width[p : p + 3] = _first_noise(trials), WIDTH
     unread = ~np.isfinite(np.vstack([trial.readings for trial in trials])).any(axis=0)
     width[p + 3 :][unread] = UNREAD
-    problem = Problem(model, constants, trials, mean, width, floors_of(trials))
-    begin = np.concatenate([_regression(problem), noise, *map(first_state, trials)])
-    return problem, begin
+    return Problem(model, constants, trials, mean, width, floors_of(trials))
 
 
 def _first_noise(trials: tuple[Trial, ...]) -> Numbers:
@@ -301,8 +307,21 @@ def _with_intervals(problem: Problem, found: Found, others: tuple[float, ...]) -
         place = p + axis
         freedom = 0.5 * (1.0 / C[place, place] - 1.0 / problem.width[place] ** 2)
         a[place] += 0.5 * math.log1p(max(taken, 0.0) / max(freedom, 1.0))
-    _, wide = _held_slopes(problem, a)
-    own = wide.copy()
+    return _known_at(problem, a, found, others)
+
+
+def _known_at(problem: Problem, a: Numbers, found: Found, others: tuple[float, ...]) -> Fit:
+    """Return the fit with the covariance that the information at ``a`` gives."""
+    _, H = _held_slopes(problem, a)
+    own = H.copy()
     places = np.arange(problem.common)
     own[places, places] -= problem.width**-2.0
-    return Fit(problem, found, a, _inverse(wide), own, others)
+    return Fit(problem, found, a, _inverse(H), own, others)
+
+
+def expect(problem: Problem, a: Numbers) -> Fit:
+    """Return what fitting is expected to give of a ship whose parameters are known.
+
+    The records are without errors, so that the information is that expected of them.
+    """
+    return _known_at(problem, a, Found(a, problem.cost(a), 0.0, 0), ())

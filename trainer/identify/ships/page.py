@@ -104,14 +104,14 @@ def _untold_lines(report: Report) -> list[str]:
     if not report.untold:
         lines += wrap("- nothing: each coefficient is told by itself")
     for one in report.untold:
-        lines += wrap(f"- {_in_words(one)}")
+        lines += wrap(f"- {in_words(one)}")
     if report.from_book:
         names = ", ".join(report.from_book)
         lines += wrap(f"- {names}: from the book, not from the record (prior's share above 90 %)")
     return lines
 
 
-def _in_words(one: Untold) -> str:
+def in_words(one: Untold) -> str:
     """Return a combination in words."""
     names = sorted(one.parts, key=lambda name: -abs(one.parts[name]))
     if len(names) == 1:

@@ -63,9 +63,13 @@ class Trial:
 
 def load_trial(path: Path, ship: ShipFile, every: int = 1) -> Trial:
     """Return a record, its rows averaged by ``every``. ConfigError with what forbids its use."""
-    columns = _columns(path, ship)
-    record, further = _read(path, ship, columns)
-    _check_needed(path, ship, {**further, **dict.fromkeys(record.channels, record.t)})
+    return trial_of(*_read(path, ship, _columns(path, ship)), ship, every)
+
+
+def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every: int = 1) -> Trial:
+    """Return a record with its ``further`` channels, SI, examined and averaged. ConfigError."""
+    record = _from_ground(record, further, ship)
+    _check_needed(record.source, ship, {**further, **dict.fromkeys(record.channels, record.t)})
     if ship.records.positive_rudder == "starboard" and record.rudder is not None:
         record = replace(record, rudder=-record.rudder)
     findings = [*record.told, *examine(record)]
@@ -78,9 +82,11 @@ def load_trial(path: Path, ship: ShipFile, every: int = 1) -> Trial:
     _check_inputs(record, further)
     t, table = _averaged(record.t, table, every)
     if len(t) < SHORTEST:
-        raise ConfigError(f"{path}: has {len(t)} samples of {every} rows; needs {SHORTEST} or more")
-    table = _with_steps(t, table, ship)
-    return Trial(str(path), t, table, tuple(map(str, findings)), bool(np.any(table[:, 6:8])))
+        raise ConfigError(
+            f"{record.source}: has {len(t)} samples of {every} rows; needs {SHORTEST} or more"
+        )
+    table = with_steps(t, table, ship)
+    return Trial(record.source, t, table, tuple(map(str, findings)), bool(np.any(table[:, 6:8])))
 
 
 def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
@@ -98,7 +104,7 @@ def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
 def _read(
     path: Path, ship: ShipFile, columns: Mapping[str, Column]
 ) -> tuple[Record, dict[str, Numbers]]:
-    """Return the record and its further channels, SI; velocities over ground become ship's."""
+    """Return the record and its further channels, SI."""
     if path.suffix != ".csv":
         raise ConfigError(f"{path}: records for this model are CSV files")
     usual = {key: one for key, one in columns.items() if key not in FURTHER}
@@ -122,7 +128,7 @@ def _read(
                 known = " or ".join(FURTHER[key])
                 raise ConfigError(f"{path}: {one.name}: unit {quote(unit)}: must be {known}")
             further[key] = table.numbers(place) * FURTHER[key][unit]
-    return _from_ground(record, further, ship), further
+    return record, further
 
 
 def _from_ground(record: Record, further: dict[str, Numbers], ship: ShipFile) -> Record:
@@ -143,16 +149,16 @@ def _from_ground(record: Record, further: dict[str, Numbers], ship: ShipFile) ->
     )
 
 
-def _check_needed(path: Path, ship: ShipFile, found: Mapping[str, Numbers]) -> None:
+def _check_needed(source: str, ship: ShipFile, found: Mapping[str, Numbers]) -> None:
     """Check that all that the model needs was recorded; ConfigError saying what is missing."""
     problems = [
-        f"{path}: no {channel} was recorded: {why}; name its column as channel {channel} in "
+        f"{source}: no {channel} was recorded: {why}; name its column as channel {channel} in "
         f"[[columns]] of {ship.path.name}"
         for channel, why in NEEDED.items()
         if channel not in found
     ]
     if "heading" not in found and "yaw_rate" not in found:
-        problems.append(f"{path}: neither heading nor yaw_rate was recorded")
+        problems.append(f"{source}: neither heading nor yaw_rate was recorded")
     if problems:
         raise ConfigError(*problems)
 
@@ -246,8 +252,8 @@ def _averaged(t: Numbers, table: Numbers, every: int) -> tuple[Numbers, Numbers]
     return t[places], np.asarray(table[around].mean(axis=1))
 
 
-def _with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
-    """Return the table with seconds to the next row and steps in them, as the filter has it."""
+def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
+    """Return the table with seconds to the next row and the steps in them."""
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
     parts = np.maximum(np.ceil(gaps / (FINE * length / speed) - 1e-9), 1.0)

@@ -1,7 +1,7 @@
 """The report of a fitted ship: coefficients, untold combinations, predictions, innovations."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -138,8 +138,22 @@ def carry_out(
         )
     ship, every = load_ship(options["ship"]), int(options["every"] or 1)
     trials = tuple(load_trial(path, ship, every) for path in files)
-    trials = tuple(_between(trial, options["begin"], options["end"]) for trial in trials)
     held = tuple(load_trial(path, ship, every) for path in options["predict"])
+    return fit_trials(ship, trials, held, options, heard)
+
+
+def fit_trials(
+    ship: ShipFile,
+    trials: tuple[Trial, ...],
+    held: tuple[Trial, ...],
+    options: Mapping[str, Any],
+    heard: Callable[[int, float], None],
+) -> Identified:
+    """Return a ship fitted to trials, with what it predicts of those ``held`` back. ConfigError.
+
+    ``options`` are those of ``trainer identify``.
+    """
+    trials = tuple(_between(trial, options["begin"], options["end"]) for trial in trials)
     model = model_of(options["model"], wind=any(trial.windy for trial in trials))
     prior, source = prior_of(model, ship)
     strength = float(options["prior_strength"])
@@ -261,7 +275,7 @@ def _without_record(fitted: Fit, left_out: int) -> tuple[Problem, Found]:
     return rest, search(rest, begin, lambda *_: None)
 
 
-def _coefficients(fitted: Fit) -> tuple[Coefficient, ...]:
+def coefficients_of(fitted: Fit) -> tuple[Coefficient, ...]:
     """Return the common parameters; noises by their size, not its logarithm."""
     found = []
     problem = fitted.problem
@@ -386,7 +400,7 @@ def _report(
 ) -> Report:
     """Return all that there is to say."""
     problem, trials = fitted.problem, fitted.problem.trials
-    told = _coefficients(fitted)
+    told = coefficients_of(fitted)
     p = len(problem.model.free)
     steps = np.concatenate([np.diff(trial.t) for trial in trials])
     length = float(problem.constants[0])

@@ -1,0 +1,261 @@
+"""Trials of ships that are not linear: what is expected of them, and what comes of them."""
+
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from helpers.places import ROOT
+
+from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.zigzag import ZigZag
+from trainer.cli.main import cli
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.ships.fit import problem_of, search
+from trainer.identify.ships.ship_file import ShipFile, parse_ship
+from trainer.identify.ships.trials import Design, TrialShip, design, flown_trial, sensors_of
+from trainer.identify.sources import USUAL, Sensors
+from trainer.units import KNOT
+
+PAGE = (ROOT / "docs" / "nonlinear-ships.md").read_text(encoding="utf-8")
+KNOWN_TEXT = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)[1]
+SENSORS = Sensors(sway_kn=0.04, yaw_rate_deg_s=0.006, heading_deg=0.03)
+OPTIONS: dict[str, Any] = {
+    "zigzag": (20.0, 20.0),
+    "seconds": 800.0,
+    "speeds": (),
+    "interval": 5.0,
+    "outputs": (),
+    "unrest": 0.01,
+    "prior_strength": 4.0,
+    "sensors": SENSORS,
+}
+WEAK = ((15.0, 15.0), (15.0, 8.0))  # the second with the revolutions of 8 kn
+
+
+@pytest.fixture(scope="module")
+def known() -> ShipFile:
+    """Return the known tanker of the page."""
+    return parse_ship(KNOWN_TEXT, Path("known.toml"))
+
+
+@pytest.fixture(scope="module")
+def pair(known: ShipFile) -> Design:
+    """Return a zig-zag, one with fewer revolutions, and both in the same time."""
+    return design(known, OPTIONS | {"speeds": WEAK})
+
+
+def deviations(found: Design, name: str) -> list[float]:
+    """Return the expected standard deviation of a coefficient, by plan."""
+    return [
+        one.deviation
+        for plan in found.report.plans
+        for one in plan.coefficients
+        if one.name == name
+    ]
+
+
+@pytest.mark.parametrize("name", ["kappa", "N_F", "c_w"])
+def test_two_speeds_of_propeller_tell_the_slipstream_from_the_rudder(
+    pair: Design, name: str
+) -> None:
+    alone, slow, both = deviations(pair, name)
+    plans = pair.report.plans
+
+    assert both < 0.9 * alone
+    assert both < 0.9 * slow
+    assert plans[2].seconds == pytest.approx(0.5 * plans[0].seconds, abs=2.0)
+    assert plans[2].samples <= plans[0].samples + 2
+
+
+def test_two_speeds_with_revolutions_of_their_own_do_not(known: ShipFile) -> None:
+    # the propeller advances alike at both: the slower is the same trial, read worse
+    plain = design(known, OPTIONS | {"speeds": ((15.0, 15.0), (8.0, 8.0))})
+    alone, slow, both = deviations(plain, "kappa")
+
+    assert alone < both < slow
+
+
+def test_better_instruments_and_a_longer_trial_tell_more(known: ShipFile, pair: Design) -> None:
+    first = {"speeds": WEAK[:1]}
+    sharp = design(
+        known,
+        OPTIONS
+        | first
+        | {
+            "sensors": Sensors(
+                **{name: 0.5 * value for name, value in vars(SENSORS).items() if value}
+            ),
+            "unrest": 0.005,
+        },
+    )
+    longer = design(known, OPTIONS | first | {"seconds": 1600.0})
+    blind = design(known, OPTIONS | first | {"outputs": ("sway", "heading")})
+    assert deviations(blind, "N_r")[0] > 1.02 * deviations(pair, "N_r")[0]
+    for name in ("N_F", "Y_v", "kappa"):
+        usual = deviations(pair, name)[0]
+        assert 0.4 * usual < deviations(sharp, name)[0] < 0.7 * usual
+        assert 0.5 * usual < deviations(longer, name)[0] < 0.9 * usual
+
+
+def test_the_book_s_share_falls_where_the_book_is_weak(known: ShipFile, pair: Design) -> None:
+    firm = design(known, OPTIONS | {"speeds": WEAK, "prior_strength": 0.5}).report.plans[2]
+    none = design(known, OPTIONS | {"speeds": WEAK[:1], "prior_strength": 0.0}).report.plans[0]
+    weak = pair.report.plans[2]
+
+    assert "l" in firm.from_book
+    # what the record does not tell is its own, whatever the book says
+    assert firm.untold[0].eigenvalue == pytest.approx(weak.untold[0].eigenvalue, rel=1e-3)
+    assert all(
+        one.prior_share < 1.0 and one.prior_share <= other.prior_share
+        for one, other in zip(weak.coefficients, firm.coefficients, strict=True)
+    )
+    assert all(one.prior_share == 0.0 for one in none.coefficients)
+    assert any({"N_vrr", "N_vvr"} <= set(one.parts) for one in none.untold)
+
+
+class ShakenShip(TrialShip):
+    """A ship that begins as in a trial, in the sea that was expected."""
+
+    def __init__(self, ship: ShipFile, held: float, sea: Numbers, seed: int) -> None:
+        super().__init__(ship, held)
+        self._sea, self._stream = sea, np.random.default_rng(seed)
+
+    def advance(self) -> None:
+        super().advance()
+        self._state[:3] += math.sqrt(self.step) * self._sea * self._stream.standard_normal(3)
+
+
+def scatter(known: ShipFile, found: Design, count: int) -> Numbers:
+    """Return the errors of made records over what was expected (count, coefficients).
+
+    They are fitted with a prior drawn about the truth, so that it is one more honest reading.
+    """
+    expected = found.expected[-1]
+    problem, p = expected.problem, len(expected.problem.model.free)
+    noise = problem.noise(expected.a)
+    away = []
+    for seed in range(count):
+        stream = np.random.default_rng(1000 + seed)
+        trials = []
+        for i, (speed, held) in enumerate(WEAK):
+            ship = ShakenShip(known, held * KNOT, noise[:3], 10 * seed + i)
+            flight = fly(ship, ZigZag(duration_s=400.0), speed * KNOT)
+            every = round(found.report.interval_s / flight.step)
+            trial = flown_trial(known, flight, every, found.report.outputs)
+            trial.table[:, :4] += noise[3:] * stream.standard_normal((len(trial.t), 4))
+            trials.append(trial)
+        prior = {
+            name: (value + width * stream.standard_normal(), width)
+            for name, value, width in zip(
+                problem.model.free, expected.a, problem.width, strict=False
+            )
+            if math.isfinite(width)
+        }
+        posed = problem_of(problem.model, problem.constants, trials, prior, 1.0)
+        end = search(posed, expected.a, lambda *_: None)
+        assert end.settled
+        away.append((end.a[:p] - expected.a[:p]) / expected.deviations[:p])
+    return np.array(away)
+
+
+def test_made_records_scatter_as_was_expected(known: ShipFile, pair: Design) -> None:
+    away = scatter(known, pair, 4)
+
+    assert 0.6 < np.sqrt(np.mean(away**2)) < 1.5
+    assert np.max(np.abs(away)) < 5.0
+
+
+@pytest.mark.slow
+def test_many_made_records_scatter_as_was_expected(known: ShipFile, pair: Design) -> None:
+    away = scatter(known, pair, 60)
+    size = np.sqrt(np.mean(away**2, axis=0))  # a size of 60 has itself a deviation of 0.09
+
+    assert np.sqrt(np.mean(away**2)) == pytest.approx(1.0, abs=0.15)
+    assert size.min() > 0.7
+    assert size.max() < 1.5
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> str:
+    """Return the path of the known tanker."""
+    path = tmp_path / "known.toml"
+    path.write_text(KNOWN_TEXT, encoding="utf-8")
+    return str(path)
+
+
+def asked(*words: str) -> Any:
+    return CliRunner().invoke(cli, ("prbs", *words))
+
+
+def test_the_page_s_command_sets_plans_side_by_side(file: str, monkeypatch: Any) -> None:
+    monkeypatch.chdir(Path(file).parent)
+    (line,) = re.findall(r"\$ trainer prbs (known.toml .*)", PAGE)
+
+    page, told = asked(*line.split()), asked(*line.split(), "--json")
+
+    assert page.exit_code == 0, page.output
+    report = json.loads(told.output)
+    assert [plan["name"] for plan in report["plans"]] == ["A", "B", "C"]
+    assert report["outputs"] == ["speed", "sway", "yaw_rate", "heading"]
+    assert "C  from 15 kn; from 15 kn, revolutions of 8 kn: 400 s each" in page.output
+    assert any(re.match("C tells .*kappa.* better than", text) for text in report["remarks"])
+    # the page's table is what the command says
+    for name in ("N_F", "kappa"):
+        said = re.search(rf"\| {name} \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \|", PAGE)
+        assert said
+        own = [
+            one["deviation"]
+            for plan in report["plans"]
+            for one in plan["coefficients"]
+            if one["name"] == name
+        ]
+        assert [float(x) for x in said.groups()] == pytest.approx(own, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ((), "say its --zigzag"),
+        (("--zigzag", "20/20", "--amplitude", "3"), "--amplitude: not with a ship"),
+        (("--zigzag", "40/20"), "the rudder goes to 35 deg, not 40"),
+        (("--zigzag", "20/20", "--speed", "15/fast"), "'fast' is not a valid float"),
+        (("--zigzag", "20/20", "--speed", "61"), "61"),
+        (("--zigzag", "20/20", *("--speed", "9") * 5), "a page has room for 4"),
+        (("--zigzag", "20/20", "--output", "heading"), "told by sway with yaw_rate or heading"),
+        (("--zigzag", "20/20", "--seconds", "40"), "samples of a zig-zag; needs 30 or more"),
+    ],
+)
+def test_what_cannot_be_tried_is_refused(file: str, words: tuple[str, ...], told: str) -> None:
+    answer = asked(file, *words)
+
+    assert answer.exit_code != 0
+    assert told in answer.output + str(answer.exception)
+
+
+@pytest.mark.parametrize("words", [("--speed", "9/5"), ("--speed", "9", "--speed", "5")])
+def test_a_boat_takes_one_speed(words: tuple[str, ...]) -> None:
+    assert "is a boat: give one speed" in asked("bb2", *words).output
+    assert "no book is asked" in asked("bb2", "--prior-strength", "1").output
+
+
+def test_a_ship_without_a_fit_cannot_be_tried(known: ShipFile) -> None:
+    with pytest.raises(ConfigError, match=r"known.toml: lacks \[result\]"):
+        design(replace(known, result=None), OPTIONS)
+
+
+def test_instruments_are_those_asked_for_then_the_file_s_then_usual_ones(known: ShipFile) -> None:
+    options = {"sway": 0.05, "yaw_rate": 0.3, "heading": 0.1}
+    file = replace(known, sensors=Sensors(sway_kn=0.01, yaw_rate_deg_s=0.01))
+
+    found = sensors_of(file, options, {"yaw_rate"})
+
+    assert (found.sway_kn, found.yaw_rate_deg_s, found.heading_deg) == (0.01, 0.3, 0.1)
+    usual = {"sway": 0.05, "yaw_rate": 0.02, "heading": 0.1}
+    assert sensors_of(replace(known, sensors=None), usual, ()) == USUAL

@@ -1,0 +1,327 @@
+"""Trials of ships that are not linear: what zig-zags would tell, before they are sailed."""
+
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.analysis.manoeuvres.flight import Flight, fly
+from trainer.analysis.manoeuvres.zigzag import ZigZag
+from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report.text import INDENT, cut, table, wrap
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.ships.fit import Fit, expect, problem_of
+from trainer.identify.ships.models import GYRATION, model_of, prior_of
+from trainer.identify.ships.page import in_words
+from trainer.identify.ships.records import SHORTEST, Trial, with_steps
+from trainer.identify.ships.results import BOOK, Coefficient, Untold, coefficients_of, untold
+from trainer.identify.ships.ship_file import ShipFile
+from trainer.identify.ships.vehicle import IdentifiedShip
+from trainer.identify.sources import Sensors
+from trainer.units import KNOT
+
+STEPS: Final = 2  # of the ship between samples, where no interval is said: a twentieth of L/U
+MOST: Final = 4  # speeds side by side, which a page is wide enough for
+CALMEST: Final = 1e-9  # [rad/s/rt(s)] a disturbance that is none
+BETTER: Final = 0.9  # [-] of the next smaller deviation, from which a plan tells better
+WORST: Final = 3  # combinations that a page names of each plan
+READINGS: Final = ("speed", "sway", "yaw_rate", "heading")
+SENSORS: Final = {"sway_kn": "sway", "yaw_rate_deg_s": "yaw_rate", "heading_deg": "heading"}
+LETTERS: Final = "ABCDE"
+
+
+@dataclass(frozen=True)
+class Leg:
+    """One zig-zag, begun at a speed with the revolutions that hold another, or the same."""
+
+    speed_kn: float
+    held_kn: float
+
+    def __str__(self) -> str:
+        """Return the leg in words."""
+        other = "" if self.held_kn == self.speed_kn else f", revolutions of {self.held_kn:g} kn"
+        return f"from {self.speed_kn:g} kn{other}"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Zig-zags one after another, and what is expected of fitting them together."""
+
+    name: str
+    legs: tuple[Leg, ...]
+    seconds: float  # of each leg
+    samples: int  # of all
+    executes: int
+    slowest_kn: float
+    fastest_kn: float
+    coefficients: tuple[Coefficient, ...]
+    from_book: tuple[str, ...]
+    untold: tuple[Untold, ...]
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer prbs`` says of trials of a ship that is not linear."""
+
+    ship: str
+    model: str
+    length_m: float
+    zigzag_deg: tuple[float, float]
+    seconds: float
+    interval_s: float
+    outputs: tuple[str, ...]
+    prior: str
+    prior_strength: float
+    plans: tuple[Plan, ...]
+    remarks: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A report with the flights of each plan, and what is expected of it."""
+
+    report: Report
+    flights: tuple[tuple[Flight, ...], ...]
+    expected: tuple[Fit, ...]
+
+
+class TrialShip(IdentifiedShip):
+    """A ship that begins with the revolutions of a speed of their own."""
+
+    def __init__(self, ship: ShipFile, held: float) -> None:
+        """Take the ship, and the speed [m/s] that its revolutions hold."""
+        super().__init__(ship)
+        self._held = held
+
+    def start(self, speed: float) -> None:
+        """Begin straight ahead at ``speed`` [m/s]; ConfigError if nothing holds it there."""
+        super().start(speed)
+        self._turns = self._steady(self._held)[2]
+
+
+def design(ship: ShipFile, options: Mapping[str, Any]) -> Design:
+    """Return trials of the ship with what they would tell; ``options`` are the command's.
+
+    With several speeds each is tried alone, then all of them in the same time. ConfigError.
+    """
+    usual = IdentifiedShip(ship)
+    legs = [Leg(*one) for one in options["speeds"]] or [Leg(usual.speed_kn, usual.speed_kn)]
+    _check(ship, legs, options)
+    ways = [(leg,) for leg in legs] + ([tuple(legs)] if len(legs) > 1 else [])
+    interval = options["interval"] or STEPS * usual.step
+    every = max(1, round(interval / usual.step))
+    flown = tuple(_flights(ship, way, options) for way in ways)
+    expected = tuple(_expected(ship, flights, every, options) for flights in flown)
+    plans = tuple(_plan(*one) for one in zip(LETTERS, ways, flown, expected, strict=False))
+    report = Report(
+        ship=ship.name,
+        model=expected[0].problem.model.name,
+        length_m=ship.dimensions.length_m,
+        zigzag_deg=options["zigzag"],
+        seconds=options["seconds"],
+        interval_s=every * usual.step,
+        outputs=("speed", *_outputs(options)),
+        prior=prior_of(expected[0].problem.model, ship)[1],
+        prior_strength=options["prior_strength"],
+        plans=plans,
+        remarks=tuple(_remarks(plans)),
+    )
+    return Design(report, flown, expected)
+
+
+def sensors_of(ship: ShipFile, options: Mapping[str, Any], given: Collection[str]) -> Sensors:
+    """Return the instruments: those ``given`` as options, else the file's, else usual ones."""
+    own = ship.sensors or Sensors()
+    taken = {
+        key: options[name] if name in given or of_file is None else of_file
+        for key, name in SENSORS.items()
+        for of_file in [getattr(own, key)]
+    }
+    return Sensors(**taken)
+
+
+def _outputs(options: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return what is read beside the speed."""
+    return tuple(options["outputs"]) or READINGS[1:]
+
+
+def _check(ship: ShipFile, legs: Sequence[Leg], options: Mapping[str, Any]) -> None:
+    """Check what is asked for; ConfigError with the limit."""
+    most, helm = ship.dimensions.rudder_limit_deg, options["zigzag"][0]
+    if helm > most:
+        raise ConfigError(f"--zigzag: the rudder goes to {most:g} deg, not {helm:g}")
+    if len(legs) > MOST:
+        raise ConfigError(f"--speed: {len(legs)} speeds: a page has room for {MOST}")
+    read = _outputs(options)
+    if "sway" not in read or not {"yaw_rate", "heading"} & set(read):
+        raise ConfigError("--output: such a ship is told by sway with yaw_rate or heading")
+
+
+def _flights(ship: ShipFile, legs: Sequence[Leg], options: Mapping[str, Any]) -> tuple[Flight, ...]:
+    """Return the zig-zags of a plan, which share its seconds. ConfigError if one is lost."""
+    angle, execute = options["zigzag"]
+    each = options["seconds"] / len(legs)
+    flown = []
+    for leg in legs:
+        manoeuvre = ZigZag(angle_deg=angle, execute_deg=execute, duration_s=each)
+        flight = fly(TrialShip(ship, leg.held_kn * KNOT), manoeuvre, leg.speed_kn * KNOT)
+        if flight.lost:
+            raise ConfigError(f"{ship.path.name}: {leg}: {flight.lost}")
+        flown.append(flight)
+    return tuple(flown)
+
+
+def flown_trial(ship: ShipFile, flight: Flight, every: int, read: Sequence[str]) -> Trial:
+    """Return a flight as a record without errors; ConfigError if it is too short."""
+    t = flight.t[::every]
+    if len(t) < SHORTEST:
+        raise ConfigError(f"--seconds: {len(t)} samples of a zig-zag; needs {SHORTEST} or more")
+    names = zip(READINGS, ("u", "v", "r", "psi"), strict=True)
+    none, calm = np.full(len(t), math.nan), np.zeros(len(t))
+    readings = [
+        flight.column(name)[::every] if channel in ("speed", *read) else none
+        for channel, name in names
+    ]
+    inputs = [-flight.column("delta_r")[::every], flight.column("n")[::every], calm, calm]
+    rows = with_steps(t, np.column_stack([*readings, *inputs]), ship)
+    return Trial(flight.series.path.name, t, rows, (), windy=False)
+
+
+def _expected(
+    ship: ShipFile, flights: Sequence[Flight], every: int, options: Mapping[str, Any]
+) -> Fit:
+    """Return what is expected of fitting the records of these flights together."""
+    if ship.result is None:
+        raise ConfigError(f"{ship.path.name}: lacks [result]")
+    trials = [flown_trial(ship, flight, every, _outputs(options)) for flight in flights]
+    model = model_of(ship.result.model, wind=False)
+    prior, _ = prior_of(model, ship)
+    problem = problem_of(model, ship.constants, trials, prior, options["prior_strength"])
+    noise = _noise(ship, ship.result.speed_kn * KNOT, options)
+    noise[3:] = np.maximum(noise[3:], problem.floors)
+    firsts = [[flight.column(name)[0] for name in ("u", "v", "r", "psi")] for flight in flights]
+    own = [ship.coefficients[name] for name in model.free]
+    return expect(problem, np.concatenate([own, np.log(noise), *firsts]))
+
+
+def _noise(ship: ShipFile, speed: float, options: Mapping[str, Any]) -> Numbers:
+    """Return the disturbances and the errors of readings (7,).
+
+    Disturbances make the unrest in the time of a length; those of surge and sway are of a force at
+    a quarter of the length, which is the radius of gyration too.
+    """
+    length = ship.dimensions.length_m
+    turning = max(math.radians(options["unrest"]) / math.sqrt(length / speed), CALMEST)
+    aside = GYRATION * length * turning
+    sensors: Sensors = options["sensors"]
+    errors = [sensors.error(name) for name in ("sway", "sway", "yaw_rate", "heading")]
+    return np.array([aside, aside, turning, *errors])
+
+
+def _plan(name: str, legs: tuple[Leg, ...], flights: Sequence[Flight], expected: Fit) -> Plan:
+    """Return the plan with what is expected of it."""
+    told = coefficients_of(expected)[: len(expected.problem.model.free)]
+    speeds = np.concatenate([flight.column("u") for flight in flights]) / KNOT
+    return Plan(
+        name=name,
+        legs=legs,
+        seconds=float(flights[0].t[-1]),
+        samples=sum(len(trial.t) for trial in expected.problem.trials),
+        executes=sum(len(flight.marks) for flight in flights),
+        slowest_kn=float(speeds.min()),
+        fastest_kn=float(speeds.max()),
+        coefficients=told,
+        from_book=tuple(one.name for one in told if one.prior_share > BOOK),
+        untold=untold(expected),
+    )
+
+
+def _remarks(plans: Sequence[Plan]) -> Iterator[str]:
+    """Yield which plan tells which coefficients best, and where a zig-zag hardly turned."""
+    for plan in plans:
+        if plan.executes < 3 * len(plan.legs):
+            yield f"{plan.name}: {plan.executes} executes are few: give it more --seconds"
+    best: dict[str, list[str]] = {}
+    for i, one in enumerate(plans[0].coefficients if len(plans) > 1 else ()):
+        sizes = sorted((plan.coefficients[i].deviation, plan.name) for plan in plans)
+        if sizes[0][0] < BETTER * sizes[1][0]:
+            best.setdefault(sizes[0][1], []).append(one.name)
+    for name, told in sorted(best.items()):
+        yield f"{name} tells {', '.join(told)} better than the others"
+
+
+def render(report: Report) -> str:
+    """Return the report as text."""
+    helm, heading = report.zigzag_deg
+    lines = [
+        f"TRIALS OF A SHIP, model {report.model}",
+        f"{INDENT}{cut(report.ship, 60)}, {report.length_m:g} m",
+        *wrap(
+            f"zig-zag {helm:g}/{heading:g}, {report.seconds:g} s in all, samples every "
+            f"{report.interval_s:g} s of {', '.join(report.outputs)}"
+        ),
+        *wrap(f"prior: {report.prior}, widths times {report.prior_strength:g}"),
+        "",
+    ]
+    for plan in report.plans:
+        legs = "; ".join(map(str, plan.legs))
+        lines += wrap(
+            f"{plan.name}  {legs}: {plan.seconds:g} s each, {plan.executes} executes, "
+            f"{plan.slowest_kn:.1f} to {plan.fastest_kn:.1f} kn, {plan.samples} samples"
+        )
+    lines += ["", *_table(report.plans)]
+    for plan in report.plans:
+        lines += ["", f"{INDENT}What {plan.name} will not tell", *_untold(plan)]
+    lines += ["", *(line for text in report.remarks for line in wrap(f"- {text}"))]
+    return "\n".join(lines).rstrip()
+
+
+def _table(plans: Sequence[Plan]) -> list[str]:
+    """Return the expected standard deviations of each plan, with the prior's shares."""
+    rows = [
+        (
+            one.name,
+            f"{one.value:.4g}",
+            *(_cell(plan.coefficients[i]) for plan in plans),
+        )
+        for i, one in enumerate(plans[0].coefficients)
+    ]
+    heads = [f"{plan.name}: std dev\nprior's share" for plan in plans]
+    return table(("coefficient", "value", *heads), rows)
+
+
+def _cell(one: Coefficient) -> str:
+    """Return a standard deviation with the prior's share."""
+    return f"{one.deviation:.2g} {100.0 * min(one.prior_share, 1.0):3.0f}%"
+
+
+def _untold(plan: Plan) -> list[str]:
+    """Return what a plan will not tell, in words."""
+    worst = plan.untold[:WORST]
+    found = [line for one in worst for line in wrap(f"- {in_words(one)}")]
+    if plan.from_book:
+        found += wrap(f"- {', '.join(plan.from_book)}: from the book (its share above 90 %)")
+    return found or wrap("- nothing: each coefficient is told by itself")
+
+
+def panels(found: Design) -> tuple[Panel, ...]:
+    """Return rudder, heading and speed of each zig-zag."""
+    drawn = []
+    alone = [
+        (plan, flights[0]) for plan, flights in zip(found.report.plans, found.flights, strict=True)
+    ]
+    shown = [(plan, flight) for plan, flight in alone if len(plan.legs) == 1]
+    for title, unit, name, factor in (
+        ("rudder, positive to port", "[deg]", "delta_r", 180.0 / math.pi),
+        ("heading", "[deg]", "psi", 180.0 / math.pi),
+        ("speed", "[kn]", "u", 1.0 / KNOT),
+    ):
+        curves = tuple(
+            Curve(str(plan.legs[0]), flight.t, factor * flight.column(name))
+            for plan, flight in shown
+        )
+        drawn.append(Panel(title, "time [s]", unit, curves))
+    return tuple(drawn)
