@@ -1,7 +1,9 @@
 """How the engineer's programs answer: a page, JSON, a plot."""
 
 import math
+import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Final
 
 import click
@@ -57,3 +59,25 @@ def show(
 
         draw(panels(), how["plot"])
     click.echo(json.dumps(asdict(report), indent=1) if how["as_json"] else page(report))
+
+
+def tell(text: str) -> None:
+    """Print a line beside the answer."""
+    click.echo(text, err=True)
+
+
+def show_step(step: int, cost: float) -> None:
+    """Show how far a fit is, on a terminal."""
+    if sys.stderr.isatty():
+        click.echo(f"\rstep {step}, -log L {cost:.4f}  ", nl=False, err=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file whole; ConfigError if it cannot be written."""
+    from trainer.config.files import ConfigError  # noqa: PLC0415
+    from trainer.io.atomic_write import write_whole  # noqa: PLC0415
+
+    try:
+        write_whole(path, text)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be written: {error.strerror}") from None

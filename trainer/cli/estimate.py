@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import click
 
+from trainer.cli.answers import write_text
 from trainer.cli.shared_options import HTML, TOML
 from trainer.cli.types import Name
 
@@ -59,25 +60,14 @@ def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) 
     made = write_boat(load(hull), output or Path(f"{Path(hull).stem}-boat.toml"))
     found = survey(made, options["draws"])
     if output is not None:
-        _write(output, made.text)
+        write_text(output, made.text)
     if options["html"] is not None:
-        _write(options["html"], html_page(found, made))
+        write_text(options["html"], html_page(found, made))
     if options["study"] is not None:
         _write_study(options["study"], output, found.rudder_deg)
     click.echo(json.dumps(asdict(found), indent=1) if options["as_json"] else render(found, made))
     if options["reduce"]:
         _reduce(output)
-
-
-def _write(path: Path, text: str) -> None:
-    """Write a file whole; ConfigError if it cannot be written."""
-    from trainer.config.files import ConfigError  # noqa: PLC0415
-    from trainer.io.atomic_write import write_whole  # noqa: PLC0415
-
-    try:
-        write_whole(path, text)
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be written: {error.strerror}") from None
 
 
 def _write_skeleton(file: Path | None) -> None:
@@ -97,7 +87,7 @@ def _write_study(path: Path, boat: Path | None, rudder: float) -> None:
     from trainer.analysis.estimate.boat_file import study_text  # noqa: PLC0415
 
     seen = relpath(boat or "", path.parent)
-    _write(path, study_text(seen, rudder))
+    write_text(path, study_text(seen, rudder))
 
 
 def _reduce(boat: Path | None) -> None:

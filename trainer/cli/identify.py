@@ -1,14 +1,13 @@
 """The analyst's programs: experiments designed, ships identified, lanes made into tracks."""
 
 import sys
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from trainer.cli import ships
-from trainer.cli.answers import AHEAD, Number, outputs, show
+from trainer.cli.answers import AHEAD, Number, outputs, show, show_step, tell, write_text
 from trainer.cli.options import options_given
 from trainer.cli.shared_options import CSV, FILE, HTML, SEA, TOML, VESSEL, VESSEL_HELP, together
 from trainer.cli.types import Deeper, File
@@ -155,7 +154,7 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
 
     found = page.design(load_vessel(vessel), {**options, "vessel": vessel})
     if write is not None:
-        _write(write, found.exercise)
+        write_text(write, found.exercise)
     show(found.report, page.render, lambda: page.panels(found), options)
 
 
@@ -419,7 +418,7 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
         from trainer.identify.pages.identify import sheet  # noqa: PLC0415
 
         text = sheet(report.study, page.render(report), page.screens(orders), report)
-        _write(options["html"], text)
+        write_text(options["html"], text)
     show(report, page.render, lambda: page.screens(orders), options)
     return 0
 
@@ -429,9 +428,8 @@ def fit_ship(study: Any, options: dict[str, Any]) -> "Identified":
     from trainer.boat import compilation  # noqa: PLC0415
     from trainer.identify.pages import identify as page  # noqa: PLC0415
 
-    tell = partial(click.echo, err=True)
     with compilation.announced(FITS, tell, "fits", "identify/kernels"):
-        return page.carry_out(study, options, _progress)
+        return page.carry_out(study, options, show_step)
 
 
 def _model(study: Any, options: dict[str, Any]) -> int:
@@ -442,30 +440,13 @@ def _model(study: Any, options: dict[str, Any]) -> int:
     found = fit_ship(study, options)
     report = found.report
     if options["write_nomoto"]:
-        _write(options["write_nomoto"], nomoto_text(found.fitted, report.bend))
+        write_text(options["write_nomoto"], nomoto_text(found.fitted, report.bend))
     if options["write_vessel"]:
-        _write(options["write_vessel"], vessel_text(found.fitted))
+        write_text(options["write_vessel"], vessel_text(found.fitted))
     if options["csv"]:
         write_series(found.fitted, options["csv"])
     if options["html"]:
         text = page.sheet(report.study, page.render(report), page.screens(found), report)
-        _write(options["html"], text)
+        write_text(options["html"], text)
     show(report, page.render, lambda: page.screens(found), options)
     return 0 if report.converged else 1
-
-
-def _progress(step: int, cost: float) -> None:
-    """Show how far a fit is, on a terminal."""
-    if sys.stderr.isatty():
-        click.echo(f"\rstep {step}, -log L {cost:.4f}  ", nl=False, err=True)
-
-
-def _write(path: Path, text: str) -> None:
-    """Write a text; ConfigError if it cannot be."""
-    from trainer.config.files import ConfigError  # noqa: PLC0415
-    from trainer.io.atomic_write import write_whole  # noqa: PLC0415
-
-    try:
-        write_whole(path, text)
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be written: {error.strerror}") from error

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import click
 
+from trainer.cli.answers import write_text
 from trainer.cli.shared_options import FILE
 from trainer.cli.types import Choice
 
@@ -66,11 +67,5 @@ def schema(kind: str, output: Path | None) -> None:
     if output is None:
         click.echo(text)
         return
-    from trainer.config.files import ConfigError  # noqa: PLC0415
-    from trainer.io.atomic_write import write_whole  # noqa: PLC0415
-
-    try:
-        write_whole(output, f"{text}\n")
-    except OSError as error:
-        raise ConfigError(f"{output}: cannot be written: {error.strerror}") from None
+    write_text(output, f"{text}\n")
     click.echo(f"{output} written; first line of your file: #:schema ./{output.name}")
