@@ -33,6 +33,14 @@ CUT: Final = """() => {
 }"""
 
 
+def see_whole(page: Page, where: object, cut_parts: str = CUT) -> None:
+    """Await that nothing of a page is cut; a page is laid out anew a moment after a change."""
+    end = time.monotonic() + 5.0
+    while (cut := page.evaluate(cut_parts)) and time.monotonic() < end:
+        page.wait_for_timeout(20)
+    assert cut == [], where
+
+
 # What can be worked now and bears no mark that it was.
 UNWORKED: Final = """() => [...document.querySelectorAll(
     "button, input, select, [role=slider], [role=button], [role=radio]")]

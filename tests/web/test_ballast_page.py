@@ -6,13 +6,13 @@ from typing import Final
 
 import pytest
 from helpers.hands import (
-    CUT,
     UNWORKED,
     WAYS,
     await_truth,
     heard,
     read,
     report,
+    see_whole,
     step,
     work,
     work_frame,
@@ -320,7 +320,7 @@ def test_nothing_is_cut_and_no_word_of_the_picture_lies_on_a_pipe_at_any_size(
         for place in range(shown):
             if shown > 1:
                 keys.nth(place).click()
-            assert page.evaluate(CUT) == [], f"{width}x{height}, group {place}"
+            see_whole(page, f"{width}x{height}, group {place}")
             assert page.evaluate(CROSSED) == [], f"{width}x{height}, group {place}"
 
 

@@ -6,13 +6,13 @@ from typing import Final
 
 import pytest
 from helpers.hands import (
-    CUT,
     UNWORKED,
     WAYS,
     await_truth,
     heard,
     read,
     report,
+    see_whole,
     step,
     work,
     work_frame,
@@ -224,7 +224,7 @@ def test_nothing_is_cut_at_any_size(shared: Served, look: Look, name: str) -> No
         for place in range(max(keys.count(), 1)):
             if keys.count():
                 keys.nth(place).click()
-            assert page.evaluate(CUT) == [], f"{width}x{height}, part {place}"
+            see_whole(page, f"{width}x{height}, part {place}")
 
 
 @pytest.mark.parametrize("way", WAYS)

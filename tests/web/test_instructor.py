@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
-from helpers.hands import WAYS, await_truth, work
+from helpers.hands import WAYS, await_truth, see_whole, work
 from helpers.pages import PATIENCE, SIZES, Served
 from playwright.sync_api import Page, expect
 
@@ -390,7 +390,7 @@ def test_no_number_of_the_state_and_no_depth_of_the_ladder_is_cut(
     expect(page.locator("#truth tr[data-of='depth']")).to_contain_text("GAUGE")
     for width, height in SIZES.values():
         page.set_viewport_size({"width": width, "height": height})
-        assert page.evaluate(CUT) == [], (width, height)
+        see_whole(page, (width, height), CUT)
 
 
 def test_a_whole_exercise_is_led_by_the_mouse_alone(serve: Serve, look: Look) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.hands import EACH_WAY, UNWORKED, work
+from helpers.hands import EACH_WAY, UNWORKED, see_whole, work
 from helpers.pages import Served, served
 from playwright.sync_api import Locator, Page, expect
 
@@ -338,14 +338,14 @@ def test_nothing_is_cut_at_any_size(kiosk: Kiosk, look: Look, size: str, languag
     )
     if size == UPRIGHT:
         page.set_viewport_size({"width": 1080, "height": 1920})
-    assert page.evaluate(CUT) == []
+    see_whole(page, size, CUT)
     page.locator("#start").click()
     scene(page, "dive")
     expect(page.locator("#task")).not_to_be_empty()
-    assert page.evaluate(CUT) == []
+    see_whole(page, size, CUT)
     kiosk.order("end exercise")
     scene(page, "result")
-    assert page.evaluate(CUT) == []
+    see_whole(page, size, CUT)
     page.locator("#language").focus()
 
 
