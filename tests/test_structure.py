@@ -49,8 +49,8 @@ def test_no_module_lies_beside_a_package_of_its_name() -> None:
 
 
 def test_modules_are_few_and_short() -> None:
-    # 395 of the house; exercises, boats, hulls, the Python face, a page, records, ships, trials
-    assert len(MODULES) <= 472
+    # 395 of the house; exercises, boats, hulls, Python, a page, records, ships, trials, the world
+    assert len(MODULES) <= 500
     longest = max(SOURCES, key=lambda path: len(path.read_text(encoding="utf-8").splitlines()))
     assert len(longest.read_text(encoding="utf-8").splitlines()) <= 500, longest
 

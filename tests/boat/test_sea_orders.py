@@ -196,10 +196,10 @@ def force_in(course: float) -> np.ndarray:
     """Return the sea's forces on a boat stopped at 40 m in a sea from north, after a tick."""
     boat = boat_at(40.0, 5.0, course)
     boat.put_to_sea(load_sea("sea-state-5"))
-    boat.state.motion[:6] = boat.state.rates[:] = 0.0
+    boat.state.motion[:6] = boat.state.rates[:] = boat.state.through[:] = 0.0
     records = boat.records
     advance_sea(records.vessel, boat.method.step, records.scratch, records.state)
-    outside(records.vessel, records.state, records.scratch)
+    outside(records.vessel, records.scheme, records.state, records.scratch)
     return np.array(records.scratch["external"][0])
 
 

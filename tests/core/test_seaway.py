@@ -330,7 +330,10 @@ def test_a_boat_that_runs_with_a_wave_stays_on_it() -> None:
     waves.run(1)
     ahead = 20 + 3  # band 3 of the middle direction
     omega = float(waves.state["sea_omega"][0] * waves.sea["relative"][0][ahead])
-    waves.state["xdot"], waves.state["ydot"] = G / omega * np.cos(0.4), G / omega * np.sin(0.4)
+    waves.state["through_north"], waves.state["through_east"] = (
+        G / omega * np.cos(0.4),
+        G / omega * np.sin(0.4),
+    )
     before = phase(waves.sea, waves.state, ahead)
     waves.run(200)
 
@@ -340,7 +343,7 @@ def test_a_boat_that_runs_with_a_wave_stays_on_it() -> None:
 def test_the_phase_is_that_of_a_wave_at_the_boat_s_place() -> None:
     # w t - k (x cos mu + y sin mu) + eps, model document section 10, at a steady speed
     waves = Waves(by_wind(30.0, COSINES, direction=0.4))
-    waves.state["xdot"], waves.state["ydot"] = 3.0, -2.0
+    waves.state["through_north"], waves.state["through_east"] = 3.0, -2.0
     waves.run(400)
     time = float(waves.state["sea_turned"][0] / waves.state["sea_omega"][0])
     for i in (3, 17, 42):
@@ -365,7 +368,7 @@ def test_head_seas_are_met_faster_than_following_seas(generator: float) -> None:
     met = {}
     for speed in (-6.0, 0.0, 6.0):
         waves = Waves(by_wind(30.0, generator))
-        waves.state["xdot"] = speed
+        waves.state["through_north"] = speed
         eta = waves.run(14_400)
         met[speed] = median_frequency(eta, 0.5)
         ordered = by_wind(30.0)[0] / 4.0
@@ -410,7 +413,7 @@ def test_an_ordered_change_comes_about_in_its_time_without_a_jump(
     wanted = sea_by(height or 0.0, omega or 0.0, chosen, gamma or 1.0, direction or 0.0)
     same, other = Waves(settings), Waves(settings)
     for waves in (same, other):
-        waves.state["xdot"] = 5.0
+        waves.state["through_north"] = 5.0
         waves.run(100)
     other.order(wanted, 60.0)
     first = [abs(float(other.run(1)[0] - same.run(1)[0])) for _ in range(2)]
@@ -469,7 +472,7 @@ def test_without_jit_the_bits_are_the_same() -> None:
         "from test_wave_forces import force_of\n"
         "for share in (-1.0, 0.0, 0.5, 1.0):\n"
         "    waves = Waves(by_wind(30.0, share), h=1.0, seed=9)\n"
-        "    waves.state['xdot'] = 3.0\n"
+        "    waves.state['through_north'] = 3.0\n"
         "    settings = by_wind(40.0, share, 1.0)\n"
         "    settings[[2, 5, 7]] = 3.3, 1.0, 1.0\n"
         "    waves.order(settings, 20.0)\n"

@@ -60,7 +60,7 @@ class Sea:
         self.h, self.unit = h, SEAS[state][0] / 4.0
         self.vessel, self.sea, self.state = np.zeros(1, VESSEL), new_sea(), new_state()
         self.vessel["g"] = G
-        self.state["seed"], self.state["z"], self.state["xdot"] = seed, 17.5, speed
+        self.state["seed"], self.state["z"], self.state["through_north"] = seed, 17.5, speed
         self.order(state, bank, 0.0)
 
     def order(self, state: int, bank: float, ramp: float, **shares: float) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from trainer.boat import compilation
 from trainer.boat.assemble import Method, fit_out
+from trainer.boat.world.world import World
 from trainer.config.casualties import load_casualties
 from trainer.config.files import ConfigError
 from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
@@ -74,6 +75,7 @@ class Boat:
         self.toward = _senses(file)
         self.sea = load_sea("calm")
         self.casualties = load_casualties()
+        self.world = World()
         self._fillings = self.vessel.start.copy()  # [kg] at which the vessel file's weight holds
         start_ballast(self.records.vessel, self.records.vessel, self.records.state)
 
@@ -150,9 +152,18 @@ class Boat:
         records = self.records
         stand_by_all(records.vessel, self.method.step, records.state, records.scratch)
 
-    @functools.cached_property
+    @property
     def tick(self) -> Callable[[], int]:
         """Advance by one step. Return 0, or a status for ``failure`` with the state as it was."""
+        return self._in_its_world if self.world.acts else self.advance
+
+    def _in_its_world(self) -> int:
+        self.world.write(self.state)
+        return self.advance()
+
+    @functools.cached_property
+    def advance(self) -> Callable[[], int]:
+        """Advance by one step, the world as the state has it."""
         if compilation.known_compiler():
             from trainer.boat.call import bind  # noqa: PLC0415  it reaches into the compiler
 
@@ -160,7 +171,7 @@ class Boat:
         return functools.partial(update, *self.records)
 
     def compiled_tick(self) -> Callable[[], int]:
-        """Return ``tick`` as machine code that lies on this machine, the core being interpreted."""
+        """Return ``advance`` as machine code of this machine, the core being interpreted."""
         with compilation.machine_code():
             from trainer.boat.call import bind  # noqa: PLC0415  it reaches into the compiler
 

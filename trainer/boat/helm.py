@@ -7,6 +7,7 @@ from dataclasses import replace
 from trainer.boat import ballast_orders, casualties, crew_orders, sea_orders
 from trainer.boat.boat import Boat
 from trainer.boat.sea_orders import order_sea
+from trainer.boat.world.world import PARTS
 from trainer.core.autopilot.steering import OWN, REPORT, REPORT_LITERAL
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -287,7 +288,13 @@ def _clear(boat: Boat, order: Order) -> Reply:
     return casualties.clear(boat, order.subject)
 
 
+def _world(boat: Boat, order: Order) -> Reply:
+    """Change the world around the boat from the next tick on."""
+    return boat.world.obey(order, boat.ticks)
+
+
 _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
+    **dict.fromkeys(PARTS, _world),
     "depth": _depth,
     "course": _course,
     "course-by": _course_by,

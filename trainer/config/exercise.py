@@ -41,6 +41,7 @@ from trainer.config.schema import (
 )
 from trainer.config.score_rules import Rule, Score, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
+from trainer.config.world import READERS, WorldTables, read_world
 from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import LATEST, Scheduled
 
@@ -181,7 +182,10 @@ UNSCHEDULED: Final = (  # they answer a console, or are a person's to say or to 
 )
 
 
-TABLES: Final = ("initial", "sea", "orders", "casualties", "limits", "scores", *CREW_TABLES)
+TABLES: Final = (
+    *("initial", "sea", "orders", "casualties", "limits", "scores"),
+    *(*CREW_TABLES, *READERS),
+)
 KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
 
 
@@ -227,6 +231,7 @@ class Exercise:
     drawn: tuple[Drawn, ...]
     lost: tuple[Loss, ...]
     crew: Crew
+    world: WorldTables
 
     def schedule_of(self, seed: int) -> list[Scheduled]:
         """Return the orders and casualties of a seed's run at set times, in order."""
@@ -314,6 +319,8 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
         parts["scores"] = read_rules(table, place, parts["casualties"])
     with collecting(problems):
         parts["crew"] = read_crew(table, place)
+    with collecting(problems):
+        parts["world"] = read_world(table, path)
     with collecting(problems):
         parts["lost"] = _lost(_texts(table, "lost"), place)
     problems += _unmanned(table, place)

@@ -42,7 +42,7 @@ def guard_cosine(cos_theta: float) -> float:
 
 @part
 def kinematics(trig: int, state: Record) -> None:
-    """Write the rates of attitude and position, [ASSES] (7) with errata A16-A19."""
+    """Write the rates of attitude and of place through the water, [ASSES] (7), errata A16-A19."""
     s = state[0]
     sin_phi, cos_phi = pitch_roll_sine(trig, s.phi), pitch_roll_cosine(trig, s.phi)
     sin_th, cos_th = pitch_roll_sine(trig, s.theta), pitch_roll_cosine(trig, s.theta)
@@ -55,6 +55,6 @@ def kinematics(trig: int, state: Record) -> None:
     # turn about the boat's three axes one after the other: roll, pitch, heading
     across, down = s.v * cos_phi - s.w * sin_phi, s.v * sin_phi + s.w * cos_phi
     along = s.u * cos_th + down * sin_th
-    s.xdot = along * cos_psi - across * sin_psi
-    s.ydot = along * sin_psi + across * cos_psi
+    s.through_north = s.xdot = along * cos_psi - across * sin_psi
+    s.through_east = s.ydot = along * sin_psi + across * cos_psi
     s.zdot = down * cos_th - s.u * sin_th

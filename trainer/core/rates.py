@@ -3,6 +3,7 @@
 from trainer.core import compact as compact_set
 from trainer.core import full as full_set
 from trainer.core import wide
+from trainer.core.current import carry_along, is_moving
 from trainer.core.envelope import wide_share
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.kinematics import kinematics
@@ -89,3 +90,5 @@ def rates(vessel: Record, compact: Record, scheme: Record, state: Record, scratc
     if how.envelope != 0 and wide_share(vessel, state) > 0.0:
         wide.correct(vessel, how.equations, state, scratch, outer)
     kinematics(how.trig, state)
+    if is_moving(state):
+        carry_along(state)

@@ -46,6 +46,9 @@ SCHEME: Final = np.dtype(
             ("trigger_amount", "f8", (TRIGGERS,)),
             ("trigger_ticks", "f8", (TRIGGERS,)),
             ("trigger_again", "f8", (TRIGGERS,)),  # 1: each time its condition becomes true
+            # the ground
+            ("friction", "f8"),  # [-] of a hull that slides on it
+            ("breakout", "f8"),  # [N] lift up to which it holds a hull that lies on it
         ],
     )
 )

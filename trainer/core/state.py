@@ -33,6 +33,7 @@ SEA_QUANTITIES: Final = [
     "sea_peaked",  # [-] share of the rest of it from the bank of the peaked spectrum
 ]
 SEA_COMPONENTS: Final = 50
+SOUNDINGS: Final = 5  # places along the hull where the ground below it is looked at
 STRIPS: Final = 7  # of the hull, on which waves push
 STRIP_ROWS: Final = 96  # wave numbers beside 0 at which their sums are tabulated
 CASUALTIES: Final = 8  # at a time
@@ -217,6 +218,19 @@ STATE: Final = record_dtype(
     ("crew_order_tick", (4,)),  # [-] tick after which it was given, plus 1; 0 none
     "crew_course_side",  # [-] way to turn: -1 left, 1 right, 0 the shorter
     "crew_depth_unit",  # [m] unit in which the depth was said: 1, or a foot
+    # the world around the boat, written from outside before each tick; zero where there is none
+    (
+        "current",  # of the water over ground: north = water_north + shear_north z
+        [
+            *("water_north", "water_east"),  # [m/s]
+            *("shear_north", "shear_east"),  # [1/s]
+        ],
+    ),
+    ("through", ["through_north", "through_east"]),  # [m/s] rates of place through the water
+    ("bottom", (3, SOUNDINGS)),  # [m] depth along the hull, its slopes north and east; 0: none
+    "bottom_load",  # [N] that the ground carries
+    "aground",  # [-] ticks for which it has
+    ("ship_force", (6,)),  # [N] and [N m] of ships near
 )
 
 FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]

@@ -13,6 +13,7 @@ from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot.autopilot import autopilot
 from trainer.core.ballast.ballast import advance_ballast
 from trainer.core.ballast.buoyancy import add_compression
+from trainer.core.bottom import bottom_forces
 from trainer.core.casualties import advance_casualties, fire_triggers
 from trainer.core.envelope import validity
 from trainer.core.integrators import advance
@@ -87,12 +88,12 @@ def lost(state: Record) -> int:
 
 
 @part
-def outside(vessel: Record, state: Record, scratch: Record) -> None:
-    """Write the forces of sea and depth for the tick.
+def outside(vessel: Record, scheme: Record, state: Record, scratch: Record) -> None:
+    """Write the forces of sea, depth, ground and ships near for the tick.
 
     Near the surface, write the water's level along the hull too.
     """
-    work = scratch[0]
+    s, work = state[0], scratch[0]
     for i in range(6):
         work.external[i] = 0.0
     near = is_near_surface(vessel, state)
@@ -104,6 +105,11 @@ def outside(vessel: Record, state: Record, scratch: Record) -> None:
     wave_forces(vessel, scratch, state, work.external)
     surface_forces(vessel, state, work.external)
     add_compression(vessel, vessel, state, work.external)
+    if s.bottom[0, 0] != 0.0:
+        bottom_forces(vessel, scheme, state, work.external)
+    for i in range(6):
+        if s.ship_force[i] != 0.0:
+            work.external[i] += s.ship_force[i]
     work.cut = 1.0 if near and is_cut(vessel, scratch, state) else 0.0
 
 
@@ -128,7 +134,7 @@ def update(vessel: Record, compact: Record, scheme: Record, state: Record, scrat
     if s.held_tanks == 0.0:
         advance_ballast(vessel, vessel, h, state)
     advance_sea(vessel, h, scratch, state)
-    outside(vessel, state, scratch)
+    outside(vessel, scheme, state, scratch)
     x, y, z = s.x, s.y, s.z
     cast_off(state)
     advance(vessel, compact, scheme, state, scratch)

@@ -106,6 +106,18 @@ def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
     return order if isinstance(order, Order) else None
 
 
+def settle_world(boat: Boat, recording: Recording | NoRecording, branch: int, after: int) -> None:
+    """Have a boat's world be as the orders of a branch up to ``after`` have made it."""
+    if not boat.world.parts:
+        return
+    given = []
+    for entry in recording.orders(branch):
+        order = parse(entry.text) if entry.id <= after and entry.accepted is not False else None
+        if isinstance(order, Order):
+            given.append((entry.tick, order))
+    boat.world.settle(given)
+
+
 @dataclass(frozen=True)
 class Stretch:
     """One branch, as an instructor chooses among them."""
@@ -337,6 +349,7 @@ class History:
 
     def _restore(self, moment: Moment) -> None:
         self.boat.restore(np.frombuffer(moment.state, STATE))
+        settle_world(self.boat, self.recording, moment.branch, moment.after)
         self.after, self.place = moment.after, moment.place
 
     def _state(self) -> bytes:

@@ -60,6 +60,8 @@ def read_state(state: bytes, layout: Sequence[str], standing: Record) -> Record:
     for name, number in zip(layout, numbers, strict=True):
         if name in places:
             record["whole"][0, places[name]] = number
+    if "through_north" not in layout:  # there were no currents then
+        record["through_north"], record["through_east"] = record["xdot"], record["ydot"]
     return record
 
 

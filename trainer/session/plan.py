@@ -11,6 +11,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
+from trainer.boat.world.world import world_of
 from trainer.config.baseline import Baseline, kept_baseline
 from trainer.config.casualties import Casualty, load_casualties
 from trainer.config.exercise import (
@@ -27,6 +28,7 @@ from trainer.config.reference_crew import Crew
 from trainer.config.score_rules import Rule
 from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
 from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.world import WorldTables
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
@@ -72,6 +74,7 @@ class Plan:
     lost: tuple[Loss, ...] = ()
     crew: Crew = field(default_factory=Crew)  # the reference crew
     baseline: Baseline | None = None  # as it was flown and kept
+    world: WorldTables = field(default_factory=dict)
 
     @property
     def judged_by_tasks(self) -> bool:
@@ -105,6 +108,7 @@ class Plan:
         course = math.radians(self.initial.course_deg or 0.0)
         boat.start(speed * KNOT, depth, course, self.seed)
         boat.put_to_sea(self.sea)
+        boat.world = world_of(boat, self.world)
         self._put_out_of_trim(boat)
         boat.casualties = self.casualties
         for entry in self.armed:
@@ -161,6 +165,7 @@ def plan_run(options: RunOptions) -> Plan:
         lost=exercise.lost if exercise else (),
         crew=exercise.crew if exercise else Crew(),
         baseline=kept_baseline(exercise.path) if exercise else None,
+        world=exercise.world if exercise else {},
     )
 
 

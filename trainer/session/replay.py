@@ -19,7 +19,7 @@ from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Branch, Journalled, Recording
 from trainer.session.header import NOTHING, layout_of, method_of, plan_of
-from trainer.session.history import order_of
+from trainer.session.history import order_of, settle_world
 from trainer.session.layout import Unlike, read_state, unlike
 from trainer.session.plan import Plan
 
@@ -100,6 +100,7 @@ def _fly(recording: Recording, flight: Flight, course: Course) -> None:
     flown, after = 0, 0
     if not course.afresh:
         boat.restore(recorded_state(branch.state, course))
+        settle_world(boat, recording, branch.id, branch.after)
         flown, after = branch.tick, branch.after
     orders = deque(recording.orders(branch.id, after))
     for tick, state in recording.states(branch.id):

@@ -13,7 +13,7 @@ from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Recording
 from trainer.session.exercise import Debriefing
 from trainer.session.header import differences, layout_of, plan_of, refusing_damage
-from trainer.session.history import History, order_of
+from trainer.session.history import History, order_of, settle_world
 from trainer.session.layout import read_state
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
@@ -71,6 +71,7 @@ def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ..
     boat.restore(read_state(latest.state, layout, boat.records.state))
     if boat.ticks != latest.tick:
         raise ConfigError(f"recording: its state of tick {latest.tick} is of another: damaged")
+    settle_world(boat, recording, recording.branch, latest.after)
     history = History(boat, recording, latest.after, latest.place)
     with np.errstate(all="ignore"):
         for entry in recording.orders(recording.branch, latest.after):

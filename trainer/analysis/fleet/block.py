@@ -13,7 +13,8 @@ from trainer.core.autopilot.steering import GAIN_COUNT, OWN
 from trainer.core.ballast.air import at_work
 from trainer.core.ballast.ballast import advance_ballast
 from trainer.core.ballast.tanks import END, NEGATIVE, TRIM_FORWARD
-from trainer.core.kernel import Numbers, Record, kernel, record_dtype
+from trainer.core.current import is_moving
+from trainer.core.kernel import Numbers, Record, kernel, part, record_dtype
 from trainer.core.scheme import ADAMS
 from trainer.core.scheme import COMPACT as COMPACT_SET
 from trainer.core.state import STATE
@@ -53,6 +54,16 @@ def tanks_rest(vessel: Record, state: Record) -> bool:
     return at_rest
 
 
+@part
+def alone_in_the_world(state: Record) -> bool:
+    """Return whether neither current nor ground nor ships act on a boat."""
+    s = state[0]
+    acting = 1 if is_moving(state) or s.bottom[0, 0] != 0.0 else 0
+    for i in range(6):
+        acting += 1 if s.ship_force[i] != 0.0 else 0
+    return acting == 0
+
+
 @kernel
 def ordinary(vessel: Record, state: Record) -> bool:
     """Return whether a boat can be computed here as long as it stays deep."""
@@ -71,6 +82,7 @@ def ordinary(vessel: Record, state: Record) -> bool:
         and free
         and sound
         and s.polar == 0.0
+        and alone_in_the_world(state)
         and tanks_rest(vessel, state)
     )
 

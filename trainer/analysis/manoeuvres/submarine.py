@@ -304,12 +304,12 @@ class Submarine:
 
     def _moved(self) -> int:
         """Advance with controls that act in the very cycle they are ordered in."""
-        vessel, _, _, state, scratch = records = self.boat.records
+        vessel, _, scheme, state, scratch = records = self.boat.records
         h = self.step
         self.boat.stand_by()
         move_surfaces(vessel, h, state)
         answer_telegraph(vessel, h, state)
-        outside(vessel, state, scratch)
+        outside(vessel, scheme, state, scratch)
         advance(*records)
         state["tick"] += 1.0
         return int(lost(state))

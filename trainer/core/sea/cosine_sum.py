@@ -89,8 +89,9 @@ def advance_sum(vessel: Record, h: float, state: Record) -> None:
     cos_wind, sin_wind = cosine_and_sine(s.sea_direction)
     number = s.sea_omega * s.sea_omega / vessel[0].g
     s.sea_turned += s.sea_omega * h
-    s.sea_along += number * (s.xdot * cos_wind + s.ydot * sin_wind) * h
-    s.sea_across += number * (s.ydot * cos_wind - s.xdot * sin_wind) * h
+    north, east = s.through_north, s.through_east
+    s.sea_along += number * (north * cos_wind + east * sin_wind) * h
+    s.sea_across += number * (east * cos_wind - north * sin_wind) * h
 
 
 @part

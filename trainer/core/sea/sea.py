@@ -114,7 +114,7 @@ def advance_filters(g: float, h: float, scratch: Record, state: Record) -> None:
     s = state[0]
     number = s.sea_omega * s.sea_omega / g
     north, east = cosine_and_sine(s.sea_direction)
-    run = h * (s.xdot * north + s.ydot * east)
+    run = h * (s.through_north * north + s.through_east * east)
     s.sea_drift = wrap_angle(s.sea_drift + number * run)
     turn_cos, turn_sin = cosine_and_sine(s.sea_drift)
     if s.sea_1969 > 0.0:

@@ -191,8 +191,8 @@ static void kinematics(int64_t trig, struct state *s)
     s->phidot = s->p + s->psidot * sin_th;
     double across = s->v * cos_phi - s->w * sin_phi, down = s->v * sin_phi + s->w * cos_phi;
     double along = s->u * cos_th + down * sin_th;
-    s->xdot = along * cos_psi - across * sin_psi;
-    s->ydot = along * sin_psi + across * cos_psi;
+    s->through_north = s->xdot = along * cos_psi - across * sin_psi;
+    s->through_east = s->ydot = along * sin_psi + across * cos_psi;
     s->zdot = down * cos_th - s->u * sin_th;
 }
 

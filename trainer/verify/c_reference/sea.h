@@ -303,8 +303,8 @@ static void advance_sum(const struct vessel *c, double h, struct state *s)
     cosine_and_sine(s->sea_direction, &cos_wind, &sin_wind);
     double number = s->sea_omega * s->sea_omega / c->g;
     s->sea_turned += s->sea_omega * h;
-    s->sea_along += number * (s->xdot * cos_wind + s->ydot * sin_wind) * h;
-    s->sea_across += number * (s->ydot * cos_wind - s->xdot * sin_wind) * h;
+    s->sea_along += number * (s->through_north * cos_wind + s->through_east * sin_wind) * h;
+    s->sea_across += number * (s->through_east * cos_wind - s->through_north * sin_wind) * h;
 }
 
 static double phase(const struct scratch *work, const struct state *s, int i)
@@ -348,7 +348,7 @@ static void advance_filters(double g, double h, struct scratch *work, struct sta
     double number = s->sea_omega * s->sea_omega / g;
     double north, east, turn_cos, turn_sin;
     cosine_and_sine(s->sea_direction, &north, &east);
-    double run = h * (s->xdot * north + s->ydot * east);
+    double run = h * (s->through_north * north + s->through_east * east);
     s->sea_drift = wrapped(s->sea_drift + number * run);
     cosine_and_sine(s->sea_drift, &turn_cos, &turn_sin);
     if (s->sea_1969 > 0.0) {

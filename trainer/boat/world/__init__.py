@@ -1,0 +1,1 @@
+"""The world around the boat: what writes current, ground and ships near into its state."""

@@ -1,0 +1,72 @@
+"""The world of one run: its parts, each of which writes a few numbers into the state.
+
+It is written before each tick, and is a pure function of the exercise, of the orders given to it
+with their ticks, and of the state. So whoever flies the same orders again gets the same numbers.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final, Protocol
+
+from trainer.config.world import WorldTables
+from trainer.io.orders.grammar import Order, Refused, Reply
+
+
+class Part(Protocol):
+    """One part of the world. ``state`` is one state, as ``Boat.state`` is."""
+
+    @property
+    def acts(self) -> bool:
+        """Return whether there is anything to write."""
+
+    def obey(self, order: Order, tick: int) -> Reply:
+        """Take an order from a tick on; return what now holds, or why it was refused.
+
+        What it means follows from its words and the tick alone.
+        """
+
+    def forget(self) -> None:
+        """Be as the exercise has it, without any order."""
+
+    def write(self, state: Any) -> None:
+        """Write its numbers for the tick that comes."""
+
+
+@dataclass
+class World:
+    """All parts, by the names of the orders that they obey."""
+
+    parts: Mapping[str, Part] = field(default_factory=dict)
+
+    @property
+    def acts(self) -> bool:
+        """Return whether anything writes into the state."""
+        return any(part.acts for part in self.parts.values())
+
+    def write(self, state: Any) -> None:
+        """Write the numbers for the tick that comes."""
+        for part in self.parts.values():
+            if part.acts:
+                part.write(state)
+
+    def obey(self, order: Order, tick: int) -> Reply:
+        """Have a part obey an order of its own."""
+        part = self.parts.get(order.name)
+        return part.obey(order, tick) if part else Refused(f"there is no {order.name} here")
+
+    def settle(self, orders: Iterable[tuple[int, Order]]) -> None:
+        """Be as after these orders, each with its tick: time has jumped."""
+        for part in self.parts.values():
+            part.forget()
+        for tick, order in orders:
+            if order.name in self.parts:
+                self.parts[order.name].obey(order, tick)
+
+
+# by the name of a part's order: from the boat and the tables of the exercise to the part
+PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {}
+
+
+def world_of(boat: Any, tables: WorldTables) -> World:
+    """Return the world of an exercise around a boat; ConfigError on what this boat cannot have."""
+    return World({name: make(boat, tables) for name, make in PARTS.items()})

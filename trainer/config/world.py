@@ -1,0 +1,25 @@
+"""The world around the boat, as an exercise has it: each of its tables has a reader of its own."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.config.files import ConfigError, Place, collecting
+
+# by the name of the table: from what it holds, its place, and the exercise's path to a record
+READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {}
+
+WorldTables = Mapping[str, Any]  # records, by the names of their tables
+
+
+def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
+    """Return what an exercise's tables say of the world; ConfigError with all that is wrong."""
+    problems: list[str] = []
+    found = {}
+    for name, read in READERS.items():
+        with collecting(problems):
+            if name in table:
+                found[name] = read(table[name], Place(path.name, name), path)
+    if problems:
+        raise ConfigError(*problems)
+    return found

@@ -1,0 +1,156 @@
+"""The ground under the hull: a soft spring with damping and friction at places along the keel.
+
+At x ahead of the origin the keel is p below ground that rises with the unit normal n, and moves
+over it at v. The ground then pushes with
+
+    N = max(k p - d v.n, 0)        F = N n - mu N v_t/max(|v_t|, v0)
+    m = W/g - Z_wdot        k = w^2 m/5        d = 2 zeta w m/5        v0 = max(0.1, 10 h mu N/m)
+
+w, zeta and mu are this project's estimates, no soil's: they are so soft that Adams' second order
+holds them in steps of up to 1 s, with w h at most 0.5. Twenty tonnes lie 0.1 m deep. Ground that
+holds (mud) pulls likewise at a hull that lies on it, until its lift is the breakout's.
+"""
+
+import math
+from typing import Final
+
+from trainer.core.elementary import cosine_and_sine
+from trainer.core.kernel import Numbers, Record, part
+from trainer.core.state import SOUNDINGS
+
+PLACES: Final = (-0.45, -0.225, 0.0, 0.225, 0.45)  # [-] of the hull's length, aft first
+REACH: Final = 0.45
+STIFFNESS: Final = 0.5  # [rad/s] w
+DAMPING: Final = 0.5  # [-] zeta
+SLOWEST: Final = 0.1  # [m/s] below which friction is smooth
+
+Vector = tuple[float, float, float]
+
+
+@part
+def keel_below(vessel: Record) -> float:
+    """Return how far [m] the keel is below the origin."""
+    return 0.5 * vessel[0].hull_diameter + vessel[0].hull_axis
+
+
+@part
+def clearance(vessel: Record, sin_th: float, keel: float, state: Record) -> float:
+    """Return the least height [m] of the keel, ``keel`` below the origin, over the ground."""
+    s = state[0]
+    least = math.inf
+    for i in range(SOUNDINGS):
+        least = min(least, s.bottom[0, i] + PLACES[i] * vessel[0].ell * sin_th)
+    return least - s.z - keel
+
+
+@part
+def dot(a: Vector, b: Vector) -> float:
+    """Return the product of two vectors."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@part
+def push(vessel: Record, scheme: Record, state: Record, p: float, n: Vector, v: Vector) -> Vector:
+    """Return the force [N] of the ground on a place ``p`` [m] below it that moves at ``v`` [m/s].
+
+    All are over ground, north, east and down.
+    """
+    how, s = scheme[0], state[0]
+    mass = s.weight / vessel[0].g + vessel[0].m33
+    share = STIFFNESS / SOUNDINGS * mass
+    rise = dot(v, n)
+    normal = share * (STIFFNESS * p - 2.0 * DAMPING * rise)
+    holds = how.breakout / SOUNDINGS if p <= 0.0 else 0.0
+    normal = max(normal, -holds)
+    along = (v[0] - rise * n[0], v[1] - rise * n[1], v[2] - rise * n[2])
+    rub = how.friction * abs(normal)
+    smooth = max(SLOWEST, 10.0 * how.h * rub / mass, math.sqrt(dot(along, along)))
+    s.bottom_load += normal
+    rub /= smooth
+    return (
+        normal * n[0] - rub * along[0],
+        normal * n[1] - rub * along[1],
+        normal * n[2] - rub * along[2],
+    )
+
+
+@part
+def holding(vessel: Record, scheme: Record, state: Record) -> float:
+    """Return how far [m] above the ground it still holds a hull that lies on it."""
+    if scheme[0].breakout <= 0.0 or state[0].aground == 0.0:
+        return 0.0
+    mass = state[0].weight / vessel[0].g + vessel[0].m33
+    return scheme[0].breakout / (STIFFNESS * STIFFNESS * mass)
+
+
+@part
+def axes(state: Record) -> tuple[Vector, Vector, Vector]:
+    """Return the body's axes over ground: ahead, to starboard, down."""
+    s = state[0]
+    cos_phi, sin_phi = cosine_and_sine(s.phi)
+    cos_th, sin_th = cosine_and_sine(s.theta)
+    cos_psi, sin_psi = cosine_and_sine(s.psi)
+    right = (
+        sin_phi * sin_th * cos_psi - cos_phi * sin_psi,
+        sin_phi * sin_th * sin_psi + cos_phi * cos_psi,
+        sin_phi * cos_th,
+    )
+    down = (
+        cos_phi * sin_th * cos_psi + sin_phi * sin_psi,
+        cos_phi * sin_th * sin_psi - sin_phi * cos_psi,
+        cos_phi * cos_th,
+    )
+    return (cos_th * cos_psi, cos_th * sin_psi, -sin_th), right, down
+
+
+@part
+def over_ground(state: Record, x: float, keel: float, z: float) -> Vector:
+    """Return the velocity [m/s] over ground of the keel at ``x`` [m], which is at depth ``z``."""
+    s = state[0]
+    ahead, right, down = axes(state)
+    a, b, c = s.u + keel * s.q, s.v + x * s.r - keel * s.p, s.w - x * s.q
+    north = a * ahead[0] + b * right[0] + c * down[0]
+    east = a * ahead[1] + b * right[1] + c * down[1]
+    return (
+        north + s.water_north + s.shear_north * z,
+        east + s.water_east + s.shear_east * z,
+        a * ahead[2] + b * right[2] + c * down[2],
+    )
+
+
+@part
+def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force: Numbers) -> None:
+    """Add the forces X Y Z [N] and moments K M N [N m] of the ground on the keel."""
+    s = state[0]
+    ahead, right, down = axes(state)
+    free = -holding(vessel, scheme, state)
+    for i in range(SOUNDINGS):
+        x = PLACES[i] * vessel[0].ell
+        north, east = s.bottom[1, i], s.bottom[2, i]
+        norm = 1.0 / math.sqrt(1.0 + north * north + east * east)
+        z = s.z + x * ahead[2] + keel * down[2]
+        p = (z - s.bottom[0, i]) * norm
+        if p <= free:
+            continue
+        n = (north * norm, east * norm, -norm)
+        f = push(vessel, scheme, state, p, n, over_ground(state, x, keel, z))
+        along, aside, below = dot(f, ahead), dot(f, right), dot(f, down)
+        force[0] += along
+        force[1] += aside
+        force[2] += below
+        force[3] -= keel * aside
+        force[4] += keel * along - x * below
+        force[5] += x * aside
+
+
+@part
+def bottom_forces(vessel: Record, scheme: Record, state: Record, force: Numbers) -> None:
+    """Add what the ground does to a hull that touches it, and count the ticks for which it does."""
+    s = state[0]
+    keel = keel_below(vessel)
+    s.bottom_load = 0.0
+    if clearance(vessel, 0.0, keel, state) > REACH * vessel[0].ell:
+        s.aground = 0.0
+        return
+    add_ground(vessel, scheme, keel, state, force)
+    s.aground = s.aground + 1.0 if s.bottom_load != 0.0 else 0.0
