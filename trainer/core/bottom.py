@@ -14,7 +14,7 @@ holds (mud) pulls likewise at a hull that lies on it, until its lift is the brea
 import math
 from typing import Final
 
-from trainer.core.elementary import cosine_and_sine
+from trainer.core.elementary import cosine_and_sine, sine
 from trainer.core.kernel import Numbers, Record, part
 from trainer.core.state import SOUNDINGS
 
@@ -25,6 +25,7 @@ DAMPING: Final = 0.5  # [-] zeta
 SLOWEST: Final = 0.1  # [m/s] below which friction is smooth
 
 Vector = tuple[float, float, float]
+Axes = tuple[Vector, Vector, Vector]  # of the body over ground: ahead, to starboard, down
 
 
 @part
@@ -34,12 +35,12 @@ def keel_below(vessel: Record) -> float:
 
 
 @part
-def clearance(vessel: Record, sin_th: float, keel: float, state: Record) -> float:
-    """Return the least height [m] of the keel, ``keel`` below the origin, over the ground."""
+def clearance(state: Record, keel: float) -> float:
+    """Return the least height [m] over the ground of a level keel, ``keel`` below the origin."""
     s = state[0]
     least = math.inf
     for i in range(SOUNDINGS):
-        least = min(least, s.bottom[0, i] + PLACES[i] * vessel[0].ell * sin_th)
+        least = min(least, s.bottom[0, i])
     return least - s.z - keel
 
 
@@ -60,8 +61,7 @@ def push(vessel: Record, scheme: Record, state: Record, p: float, n: Vector, v: 
     share = STIFFNESS / SOUNDINGS * mass
     rise = dot(v, n)
     normal = share * (STIFFNESS * p - 2.0 * DAMPING * rise)
-    holds = how.breakout / SOUNDINGS if p <= 0.0 else 0.0
-    normal = max(normal, -holds)
+    normal = max(normal, 0.0) if p > 0.0 else min(max(normal, -how.breakout / SOUNDINGS), 0.0)
     along = (v[0] - rise * n[0], v[1] - rise * n[1], v[2] - rise * n[2])
     rub = how.friction * abs(normal)
     smooth = max(SLOWEST, 10.0 * how.h * rub / mass, math.sqrt(dot(along, along)))
@@ -84,7 +84,7 @@ def holding(vessel: Record, scheme: Record, state: Record) -> float:
 
 
 @part
-def axes(state: Record) -> tuple[Vector, Vector, Vector]:
+def axes(state: Record) -> Axes:
     """Return the body's axes over ground: ahead, to starboard, down."""
     s = state[0]
     cos_phi, sin_phi = cosine_and_sine(s.phi)
@@ -104,10 +104,10 @@ def axes(state: Record) -> tuple[Vector, Vector, Vector]:
 
 
 @part
-def over_ground(state: Record, x: float, keel: float, z: float) -> Vector:
+def over_ground(state: Record, turned: Axes, x: float, keel: float, z: float) -> Vector:
     """Return the velocity [m/s] over ground of the keel at ``x`` [m], which is at depth ``z``."""
     s = state[0]
-    ahead, right, down = axes(state)
+    ahead, right, down = turned
     a, b, c = s.u + keel * s.q, s.v + x * s.r - keel * s.p, s.w - x * s.q
     north = a * ahead[0] + b * right[0] + c * down[0]
     east = a * ahead[1] + b * right[1] + c * down[1]
@@ -119,28 +119,36 @@ def over_ground(state: Record, x: float, keel: float, z: float) -> Vector:
 
 
 @part
+def add_at(turned: Axes, x: float, keel: float, f: Vector, force: Numbers) -> None:
+    """Add a force [N] on the keel at ``x`` [m], north, east and down, with its moments."""
+    ahead, right, down = turned
+    along, aside, below = dot(f, ahead), dot(f, right), dot(f, down)
+    force[0] += along
+    force[1] += aside
+    force[2] += below
+    force[3] -= keel * aside
+    force[4] += keel * along - x * below
+    force[5] += x * aside
+
+
+@part
 def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force: Numbers) -> None:
     """Add the forces X Y Z [N] and moments K M N [N m] of the ground on the keel."""
     s = state[0]
-    ahead, right, down = axes(state)
+    turned = axes(state)
+    ahead, _, down = turned
     free = -holding(vessel, scheme, state)
     for i in range(SOUNDINGS):
         x = PLACES[i] * vessel[0].ell
+        z = s.z + x * ahead[2] + keel * down[2]
+        if z - s.bottom[0, i] <= free:
+            continue
         north, east = s.bottom[1, i], s.bottom[2, i]
         norm = 1.0 / math.sqrt(1.0 + north * north + east * east)
-        z = s.z + x * ahead[2] + keel * down[2]
         p = (z - s.bottom[0, i]) * norm
-        if p <= free:
-            continue
         n = (north * norm, east * norm, -norm)
-        f = push(vessel, scheme, state, p, n, over_ground(state, x, keel, z))
-        along, aside, below = dot(f, ahead), dot(f, right), dot(f, down)
-        force[0] += along
-        force[1] += aside
-        force[2] += below
-        force[3] -= keel * aside
-        force[4] += keel * along - x * below
-        force[5] += x * aside
+        f = push(vessel, scheme, state, p, n, over_ground(state, turned, x, keel, z))
+        add_at(turned, x, keel, f, force)
 
 
 @part
@@ -149,8 +157,9 @@ def bottom_forces(vessel: Record, scheme: Record, state: Record, force: Numbers)
     s = state[0]
     keel = keel_below(vessel)
     s.bottom_load = 0.0
-    if clearance(vessel, 0.0, keel, state) > REACH * vessel[0].ell:
-        s.aground = 0.0
-        return
-    add_ground(vessel, scheme, keel, state, force)
+    least = clearance(state, keel)
+    if least <= REACH * vessel[0].ell:
+        lean = REACH * vessel[0].ell * abs(sine(s.theta))
+        if least - lean <= holding(vessel, scheme, state):
+            add_ground(vessel, scheme, keel, state, force)
     s.aground = s.aground + 1.0 if s.bottom_load != 0.0 else 0.0

@@ -10,7 +10,7 @@ import numpy as np
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import Readings
 from trainer.core.casualties import instruments
-from trainer.core.state import new_scratch, new_state
+from trainer.core.state import SOUNDINGS, new_scratch, new_state
 from trainer.session.time.ledger import Summary
 
 
@@ -96,8 +96,10 @@ class Frame:
 
     @property
     def truth(self) -> Readings:
-        """Return depth [m], heading [rad] and speed [m/s] as they are."""
-        return Readings(self["z"], self["psi"], self["u"])
+        """Return depth [m], heading [rad], speed [m/s] and sounding [m] as they are."""
+        under = self.at("bottom", SOUNDINGS // 2)
+        sounding = under - self["z"] if self["bottom"] else 0.0
+        return Readings(self["z"], self["psi"], self["u"], sounding)
 
 
 BYTES: Final = new_state().nbytes
