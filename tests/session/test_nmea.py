@@ -28,7 +28,7 @@ from trainer.session.nmea.orders import (
     Useless,
     meaning,
 )
-from trainer.session.nmea.position import DEFAULT, Chart, chart_at
+from trainer.io.chart import DEFAULT, Chart, chart_at
 from trainer.session.nmea.readings import WIDEST
 from trainer.session.nmea.sentences import (
     INSTRUMENTS,

@@ -35,7 +35,7 @@ from trainer.io.recording.recording import Recording
 from trainer.io.tables import COLUMNS, NoFile
 from trainer.session.history import History
 from trainer.session.nmea.outlets import Steady, open_outlets
-from trainer.session.nmea.position import DEFAULT
+from trainer.io.chart import DEFAULT
 from trainer.session.nmea.sentences import INSTRUMENTS
 from trainer.session.options import RunOptions
 from trainer.session.ports import Ports

@@ -9,7 +9,7 @@ serves. This reaches into numba: ``compilation.known_compiler`` says whether it 
 
 import functools
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
 import numba
 import numpy as np
@@ -19,13 +19,15 @@ from numba.extending import intrinsic
 from numba.np import arrayobj
 from numpy.typing import NDArray
 
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Numbers, Record, kernel
 from trainer.core.scheme import SCHEME
+from trainer.core.soundings import sound
 from trainer.core.state import SCRATCH, STATE
 from trainer.core.update import update
 from trainer.core.vessel import COMPACT, VESSEL
 
 Addresses = NDArray[np.int64]
+ROW: Final = types.Array(types.float64, 1, "C")
 
 
 def _record_at(kind: np.dtype) -> Any:
@@ -68,9 +70,41 @@ def update_at(addresses: Addresses) -> int:
     )
 
 
-def bind(records: tuple[Record, ...]) -> Callable[[], int]:
-    """Return ``update`` of these records, compiled; the caller keeps them, where they are."""
-    addresses = np.array([record.ctypes.data for record in records])
+@intrinsic
+def numbers_at(_context: Any, _address: Any, _count: Any) -> Any:
+    """Return a function for kernels: from an address so many numbers there, not copied."""
+
+    def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        numbers = context.make_array(ROW)(context, builder)
+        arrayobj.populate_array(
+            numbers,
+            data=builder.inttoptr(arguments[0], numbers.data.type),
+            shape=cgutils.pack_array(builder, [arguments[1]]),
+            strides=cgutils.pack_array(builder, [context.get_constant(types.intp, 8)]),
+            itemsize=8,
+            meminfo=None,
+        )
+        return numbers._getvalue()  # noqa: SLF001  numba has no other way
+
+    return ROW(types.int64, types.int64), code
+
+
+@kernel
+def sounded_at(addresses: Addresses) -> int:
+    """Sound the chart whose address and length come last, then do as ``update_at``."""
+    sound(vessel_at(addresses[0]), numbers_at(addresses[5], addresses[6]), state_at(addresses[3]))
+    return update_at(addresses)
+
+
+def bind(records: tuple[Record, ...], chart: Numbers | None = None) -> Callable[[], int]:
+    """Return ``update`` of these records, compiled, the chart of the ground sounded before it.
+
+    The caller keeps them, where they are.
+    """
+    there = [record.ctypes.data for record in records]
+    there += [] if chart is None else [chart.ctypes.data, chart.size]
+    addresses = np.array(there)
     # the machine code itself: to find it anew by its arguments' types takes a third of a tick
-    found: Callable[[Addresses], int] = update_at.compile((numba.typeof(addresses),))
+    tick = update_at if chart is None else sounded_at
+    found: Callable[[Addresses], int] = tick.compile((numba.typeof(addresses),))
     return functools.partial(found, addresses)

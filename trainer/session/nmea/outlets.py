@@ -26,7 +26,7 @@ from trainer.io.serial_line import SCHEMES, LinkError, SerialLine
 from trainer.io.server import Server
 from trainer.io.udp import Datagrams
 from trainer.session.nmea.orders import NmeaLine, Readers
-from trainer.session.nmea.position import Chart, chart_at
+from trainer.io.chart import Chart, chart_at
 from trainer.session.nmea.sentences import (
     NAMES,
     Instrument,

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from trainer.core.ballast.tanks import BANKS, TANKS
 from trainer.core.surfaces import SURFACES
-from trainer.session.nmea.position import Chart
+from trainer.io.chart import Chart
 from trainer.session.stations.panels import (
     bank_fields,
     bell,
