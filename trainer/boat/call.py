@@ -58,20 +58,8 @@ vessel_at, compact_at, scheme_at = _record_at(VESSEL), _record_at(COMPACT), _rec
 state_at, scratch_at = _record_at(STATE), _record_at(SCRATCH)
 
 
-@kernel
-def update_at(addresses: Addresses) -> int:
-    """Advance the boat whose records lie at these addresses by one tick; return its status."""
-    return update(
-        vessel_at(addresses[0]),
-        compact_at(addresses[1]),
-        scheme_at(addresses[2]),
-        state_at(addresses[3]),
-        scratch_at(addresses[4]),
-    )
-
-
 @intrinsic
-def numbers_at(_context: Any, _address: Any, _count: Any) -> Any:
+def row_at(_context: Any, _address: Any, _count: Any) -> Any:
     """Return a function for kernels: from an address so many numbers there, not copied."""
 
     def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
@@ -90,10 +78,20 @@ def numbers_at(_context: Any, _address: Any, _count: Any) -> Any:
 
 
 @kernel
-def sounded_at(addresses: Addresses) -> int:
-    """Sound the chart whose address and length come last, then do as ``update_at``."""
-    sound(vessel_at(addresses[0]), numbers_at(addresses[5], addresses[6]), state_at(addresses[3]))
-    return update_at(addresses)
+def update_at(addresses: Addresses) -> int:
+    """Advance the boat whose records lie at these addresses by one tick; return its status.
+
+    The address and the length of a chart of the ground come last; it is sounded before the tick.
+    """
+    if addresses[6] != 0:
+        sound(vessel_at(addresses[0]), row_at(addresses[5], addresses[6]), state_at(addresses[3]))
+    return update(
+        vessel_at(addresses[0]),
+        compact_at(addresses[1]),
+        scheme_at(addresses[2]),
+        state_at(addresses[3]),
+        scratch_at(addresses[4]),
+    )
 
 
 def bind(records: tuple[Record, ...], chart: Numbers | None = None) -> Callable[[], int]:
@@ -101,10 +99,8 @@ def bind(records: tuple[Record, ...], chart: Numbers | None = None) -> Callable[
 
     The caller keeps them, where they are.
     """
-    there = [record.ctypes.data for record in records]
-    there += [] if chart is None else [chart.ctypes.data, chart.size]
-    addresses = np.array(there)
+    there = (0, 0) if chart is None else (chart.ctypes.data, chart.size)
+    addresses = np.array([*(record.ctypes.data for record in records), *there])
     # the machine code itself: to find it anew by its arguments' types takes a third of a tick
-    tick = update_at if chart is None else sounded_at
-    found: Callable[[Addresses], int] = tick.compile((numba.typeof(addresses),))
+    found: Callable[[Addresses], int] = update_at.compile((numba.typeof(addresses),))
     return functools.partial(found, addresses)
