@@ -16,6 +16,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.config.vessel import load_vessel
 from trainer.io import nmea
+from trainer.io.chart import DEFAULT, Chart, chart_at
 from trainer.io.lines import Overlong
 from trainer.io.orders.grammar import Order, parse
 from trainer.session.nmea import page as nmea_page
@@ -28,7 +29,6 @@ from trainer.session.nmea.orders import (
     Useless,
     meaning,
 )
-from trainer.io.chart import DEFAULT, Chart, chart_at
 from trainer.session.nmea.readings import WIDEST
 from trainer.session.nmea.sentences import (
     INSTRUMENTS,

@@ -176,10 +176,12 @@ class Boat:
             from trainer.boat.call import bind  # noqa: PLC0415  it reaches into the compiler
 
             return bind(tuple(self.records), self.chart)
-        return functools.partial(update, *self.records) if self.chart is None else self._sounded
+        if self.chart is None:
+            return functools.partial(update, *self.records)
+        return functools.partial(self._sounded, self.chart)
 
-    def _sounded(self) -> int:
-        sound(self.records.vessel, self.chart, self.records.state)
+    def _sounded(self, chart: Numbers) -> int:
+        sound(self.records.vessel, chart, self.records.state)
         return update(*self.records)
 
     def compiled_tick(self) -> Callable[[], int]:

@@ -58,8 +58,7 @@ vessel_at, compact_at, scheme_at = _record_at(VESSEL), _record_at(COMPACT), _rec
 state_at, scratch_at = _record_at(STATE), _record_at(SCRATCH)
 
 
-@intrinsic
-def row_at(_context: Any, _address: Any, _count: Any) -> Any:
+def _row_at(_context: Any, _address: Any, _count: Any) -> Any:
     """Return a function for kernels: from an address so many numbers there, not copied."""
 
     def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
@@ -75,6 +74,9 @@ def row_at(_context: Any, _address: Any, _count: Any) -> Any:
         return numbers._getvalue()  # noqa: SLF001  numba has no other way
 
     return ROW(types.int64, types.int64), code
+
+
+row_at: Any = intrinsic(_row_at)
 
 
 @kernel

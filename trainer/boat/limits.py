@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
 from trainer.boat.boat import PLACES, Boat
+from trainer.boat.grounding import clearance
 from trainer.config.exercise import Limits
 from trainer.core.sea.free_surface import deck_height, sail_height
 from trainer.units import KNOT
@@ -48,6 +49,7 @@ BEYOND: Final = {  # what passing each limit is called; depth grows downwards
     "speed_kn_max": "faster than {:g} kn",
     "speed_kn_min": "slower than {:g} kn",
     "validity_level_max": "validity level above {:g}",
+    "clearance_m_min": "less than {:g} m of water under the keel",
 }
 
 
@@ -131,7 +133,7 @@ class LimitMonitor:
         news = []
         for name, limit in self._set:
             key, _, end = name.rpartition("_")
-            value = SEEN[key](boat.state)
+            value = clearance(boat) if key == "clearance_m" else SEEN[key](boat.state)
             if not (value > limit if end == "max" else value < limit):
                 self.beyond.discard(name)
             elif name not in self.beyond:

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, Place, collecting
+from trainer.config.files import ConfigError, Place
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -15,7 +15,6 @@ from trainer.config.schema import (
     Quantity,
     Text,
     above,
-    of,
     optional,
     read_record,
     usual,
@@ -59,8 +58,8 @@ class BottomTable:
     grounding: str = usual(
         "free", Choice(GROUNDINGS, "what it does: nothing more, freeze time, end the exercise")
     )
-    bottoming: bool = usual(
-        False, Flag("the boat is to lie on it: told whether it was done well")
+    bottoming: bool | None = optional(
+        Flag("the boat is to lie on it: told whether it was done well")
     )
     breakout_t: float = usual(
         0.0, Quantity("t", within(0, 1000), "lift that mud holds a boat with; else 0")
@@ -99,7 +98,7 @@ def read_bottom(value: object, place: Place, path: Path) -> Bottom:
         breakout=1000.0 * table.breakout_t,
         kind=table.kind,
         grounding=table.grounding,
-        bottoming=table.bottoming,
+        bottoming=bool(table.bottoming),
     )
 
 
@@ -131,7 +130,7 @@ def _plane(table: BottomTable) -> Grid:
     fall = math.radians(table.deepens_deg or 0.0)
     north, east = slope * math.cos(fall), slope * math.sin(fall)
     values = np.array([[depth, depth + east], [depth + north, depth + north + east]])
-    return Grid(values, 0.0, 0.0, (1.0, 1.0), False)
+    return Grid(values, 0.0, 0.0, (1.0, 1.0), degrees=False)
 
 
 def _charted(table: BottomTable, place: Place, path: Path) -> Grid:
@@ -173,4 +172,4 @@ def is_charted(bottom: Bottom, north: float, east: float) -> bool:
     grid = bottom.known
     rows, columns = grid.values.shape
     i, j = (north - grid.south) / grid.cell[0], (east - grid.west) / grid.cell[1]
-    return 0.0 <= i <= rows - 1 and 0.0 <= j <= columns - 1
+    return bool(0.0 <= i <= rows - 1 and 0.0 <= j <= columns - 1)

@@ -156,7 +156,7 @@ class Entry:
     clear_ramp_s: float = of(Quantity("s", within(0, 3600), "time to go when cleared"))
     description: str = of(Text(75, "for the list"))
     hole_m2: float | None = optional(Quantity("m2", above(0, 10), "flooding, leak: the hole"))
-    noise_m: float | None = optional(Quantity("m", above(0, 1000), "depth-gauge, sounder: deviation"))
+    noise_m: float | None = optional(Quantity("m", above(0, 1000), "depth-gauge, sounder: noisy"))
     noise_deg: float | None = optional(Quantity("deg", above(0, 180), "gyro-noisy"))
     noise_kn: float | None = optional(Quantity("kn", above(0, 50), "log-noisy"))
     bias_m: float | None = optional(

@@ -67,6 +67,7 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
 DERIVED: Final[Mapping[str, Quantity]] = {
     "course": Quantity("", ANGLE, "where the bow points"),
     "heavy": Quantity("", MASS, "weight less buoyancy"),
+    "clearance": Quantity("", LENGTH, "least height of the keel over the ground"),
     "showing": Quantity("", LENGTH, "height of sail or deck above the sea, the higher one"),
 }
 EVERY: Final[Mapping[str, Quantity]] = {**QUANTITIES, **DERIVED}

@@ -41,7 +41,7 @@ from trainer.config.schema import (
 )
 from trainer.config.score_rules import Rule, Score, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
-from trainer.config.world import READERS, WorldTables, read_world
+from trainer.config.world import READERS, WORLD, WorldTables, read_world
 from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import LATEST, Scheduled
 
@@ -104,7 +104,7 @@ class Initial:
     depth_m: float | None = optional(Quantity("m", within(0, 12000), "depth"))
     course_deg: float | None = optional(Quantity("deg", within(0, 360), "course"))
     heavy_t: float | None = optional(
-        Quantity("t", within(-100, 100), "too heavy by so much; no tank shows it")
+        Quantity("t", within(-100, 100), "too heavy, no tank shows it")
     )
     forward_t: float | None = optional(
         Quantity("t", within(-100, 100), "as much weight forward as belongs aft; no tank shows it")
@@ -152,6 +152,7 @@ class Limits:
     validity_level_max: float | None = optional(
         Quantity("-", within(0, 2), "of the equations: 0 inside their range, 1 extrapolated")
     )
+    clearance_m_min: float | None = optional(Quantity("m", within(0, 1000), "water under the keel"))
 
 
 ORDERS: Final = Rows(OrderRow, ("note",), 0, 500, "scheduled orders, below")
@@ -167,6 +168,7 @@ RECORDS: Final = {
     "[crew]": CrewRow,
     "planesman": Planesman,
     "helmsman": Helmsman,
+    **WORLD,
 }
 
 

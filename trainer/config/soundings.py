@@ -105,7 +105,9 @@ def read_ascii(data: bytes, path: Path) -> Grid:
     values = _samples(text[at:], rows * columns, path).reshape(rows, columns)[::-1]
     absent = _number(said, "nodata_value", path, NOTHING)
     west, south = (_low(said, axis, cell, path) for axis in "xy")
-    return Grid(np.where(values == absent, np.nan, values), west, south, (cell, cell), False)
+    return Grid(
+        np.where(values == absent, np.nan, values), west, south, (cell, cell), degrees=False
+    )
 
 
 def _keywords(text: str, path: Path) -> tuple[Mapping[str, str], int]:
@@ -166,7 +168,9 @@ def _samples(text: str, count: int, path: Path) -> Numbers:
         values = np.array(words, np.float64)
     except ValueError:
         wrong = next(i for i, word in enumerate(words) if not _is_number(word))
-        raise ConfigError(f"{path}: sample {wrong + 1} = {quote(words[wrong])}: is no number")
+        raise ConfigError(
+            f"{path}: sample {wrong + 1} = {quote(words[wrong])}: is no number"
+        ) from None
     if not np.isfinite(values).all():
         wrong = int(np.argmin(np.isfinite(values)))
         raise ConfigError(f"{path}: sample {wrong + 1} = {words[wrong]}: must be finite")
@@ -184,7 +188,7 @@ def _is_number(word: str) -> bool:
 def _refuse_large(rows: int, columns: int, path: Path) -> None:
     if rows * columns > CELLS:
         raise ConfigError(f"{path}: {rows} x {columns} samples: {CELLS} at most; take every n-th")
-    if min(rows, columns) < 2:  # noqa: PLR2004  there is nothing between one row and itself
+    if min(rows, columns) < 2:
         raise ConfigError(f"{path}: {rows} x {columns} samples: at least 2 x 2")
 
 
@@ -211,10 +215,13 @@ def read_geotiff(path: Path) -> Grid:
     try:
         with tifffile.TiffFile(path) as file:
             page = file.pages[0]
-            tags = {number: page.tags[number].value for number in (SCALE, TIE, KEYS, ABSENT)
-                    if number in page.tags}
+            tags = {
+                number: page.tags[number].value
+                for number in (SCALE, TIE, KEYS, ABSENT)
+                if number in page.tags
+            }
             _refuse_coding(int(page.compression), path)
-            _refuse_large(*page.shape[:2], path)
+            _refuse_large(int(page.shape[0]), int(page.shape[1]), path)
             values = np.asarray(page.asarray(), np.float64)
     except ConfigError:
         raise
@@ -230,7 +237,7 @@ def _refuse_coding(code: int, path: Path) -> None:
 
 def _placed(values: Numbers, tags: Mapping[int, Any], path: Path) -> Grid:
     """Return a raster as a grid, by its tags."""
-    if values.ndim != 2:  # noqa: PLR2004
+    if values.ndim != 2:
         raise ConfigError(f"{path}: has {values.ndim} dimensions: one band of depths is read")
     if SCALE not in tags or TIE not in tags:
         raise ConfigError(f"{path}: does not say where it lies (tags 33550 and 33922)")
@@ -241,8 +248,11 @@ def _placed(values: Numbers, tags: Mapping[int, Any], path: Path) -> Grid:
     half = 0.0 if keys.get(RASTER) == POINT else 0.5
     west = x + (half - column) * across
     south = y - (values.shape[0] - 1 + half - row) * down
-    absent = _number({"nodata_value": str(tags[ABSENT])}, "nodata_value", path) \
-        if ABSENT in tags and str(tags[ABSENT]).strip().lower() != "nan" else math.nan
+    absent = (
+        _number({"nodata_value": str(tags[ABSENT])}, "nodata_value", path)
+        if ABSENT in tags and str(tags[ABSENT]).strip().lower() != "nan"
+        else math.nan
+    )
     found = np.where((values == absent) | ~np.isfinite(values), np.nan, values)[::-1]
     return Grid(found, west, south, (down, across), GEOGRAPHIC in keys and PROJECTED not in keys)
 
@@ -287,7 +297,7 @@ def on_the_plane(grid: Grid, position: Position) -> Grid:
     latitude, longitude = _positions(position, (south, west), cell, shape)
     i = np.clip((latitude - grid.south) / grid.cell[0], 0.0, rows - 1.0)
     j = np.clip((longitude - grid.west) / grid.cell[1], 0.0, columns - 1.0)
-    return Grid(between(grid.values, i, j), west, south, (cell, cell), False)
+    return Grid(between(grid.values, i, j), west, south, (cell, cell), degrees=False)
 
 
 METRES: Final = 111_132.0  # [m] of a degree of latitude, about

@@ -4,13 +4,15 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.bottom import read_bottom
+from trainer.config.bottom import BottomTable, read_bottom
 from trainer.config.files import ConfigError, Place, collecting
 
 # by the name of the table: from what it holds, its place, and the exercise's path to a record
 READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {
     "bottom": read_bottom,
 }
+
+WORLD: Final[Mapping[str, type[Any]]] = {"bottom": BottomTable}  # their keys
 
 WorldTables = Mapping[str, Any]  # records, by the names of their tables
 

@@ -1,9 +1,9 @@
 """The ground of a chart under the hull, written into the state before a tick.
 
 A chart is a row of numbers: [m] north and east of its first sample, rows and columns by the metre,
-1 where it has an end and 0 where it goes on as a plane, its numbers of rows and of columns, and then
-the depths [m], the southernmost row first. Between samples the depth is bilinear.
-Beyond the end it is that of the edge, and level across it.
+1 where it has an end and 0 where it goes on as a plane, its numbers of rows and of columns; then
+the depths [m], the southernmost row first. Between samples the depth is bilinear. Beyond the end it
+is that of the edge, and level across it.
 """
 
 from typing import Final
@@ -69,9 +69,9 @@ def sound(vessel: Record, chart: Numbers, state: Record) -> None:
     Where it is DISTANT only one tick of SELDOM does: no boat makes more way than that in between.
     """
     s = state[0]
-    if s.bottom[0, 0] != 0.0 and s.bottom[0, SOUNDINGS // 2] - s.z > DISTANT:
-        if int(s.tick) & SELDOM != 0:
-            return
+    distant = s.bottom[0, 0] != 0.0 and s.bottom[0, SOUNDINGS // 2] - s.z > DISTANT
+    if distant and int(s.tick) & SELDOM != 0:
+        return
     cos_psi, sin_psi = cosine_and_sine(s.psi)
     level = vessel[0].ell * cosine(s.theta)
     i, j = (s.x - chart[SOUTH]) * chart[ALONG], (s.y - chart[WEST]) * chart[ACROSS]

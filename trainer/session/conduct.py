@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Final
 
 from trainer.boat.depths import collapse_of, hull_depth
+from trainer.boat.grounding import GroundMonitor
 from trainer.config.course import course
-from trainer.config.files import ConfigError
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import RecordingError
@@ -73,10 +73,12 @@ class Conduct:
     compiled_from: int = 0  # the tick, where the run began interpreted
     work: Work = field(init=False)
     past: PastReader = field(init=False)
+    ground: GroundMonitor = field(init=False)
 
     def __post_init__(self) -> None:
         self.work = Work(self.wake)
         history = self.control.history
+        self.ground = GroundMonitor(history.boat)
         self.past = PastReader(history.boat, self.work, self.log)
         self._quitting: tuple[Station | None, float] = None, 0.0  # who has said so, and when
         self._duties: dict[str, Callable[[Asked], bool]] = {
@@ -140,7 +142,21 @@ class Conduct:
             depth = hull_depth(control.boat)
             self.tell_depth(control.failure, Fact("collapse", f"{depth:.1f}"))
 
-    def tell_depth(self, words: str, fact: Fact) -> None:
+    def judge_ground(self) -> None:
+        """Tell what the boat does to the ground, and do what the exercise has for it."""
+        bottom = self.ground.bottom
+        for call in self.ground.look():
+            self.tell_depth(call.text)
+            if not call.aground or bottom is None or self.control.history.rerun:
+                continue
+            if bottom.grounding == "freeze":
+                self.control.time.pacer.freeze()
+            elif bottom.grounding == "end" and not self.ending.over:
+                self.ending.end("lost", f"lost at {self.control.boat.time:g} s")
+                self.ending.why = call.text
+                self._stop()
+
+    def tell_depth(self, words: str, fact: Fact | None = None) -> None:
         """Tell what the depth has come to, with its tick."""
         boat = self.control.boat
         self.log.alert("depth", f"tick {boat.ticks} ({boat.time:g} s): {words}", fact)
@@ -154,6 +170,7 @@ class Conduct:
     def settle(self) -> None:
         """Take the moment as it is after a jump in time. Nothing of the end is news."""
         self.ending.begin_again()
+        self.ground.settle()
         if self.control.boat.ticks == 0:
             self.begun = False
             self.ready.clear()
@@ -475,16 +492,3 @@ class Conduct:
         timer = threading.Timer(seconds, self.wake)
         timer.daemon = True
         timer.start()
-
-
-def problem_with(load: Callable[[str], object]) -> Callable[[str], str]:
-    """Return what says why an exercise cannot be loaded, "" when it can."""
-
-    def problem(name: str) -> str:
-        try:
-            load(name)
-        except ConfigError as error:
-            return str(error)
-        return ""
-
-    return problem

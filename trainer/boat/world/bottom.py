@@ -57,3 +57,9 @@ class Ground:
 def ground_of(boat: Any, tables: WorldTables) -> Ground:
     """Return the ground of an exercise under a boat."""
     return Ground(boat, tables.get("bottom"))
+
+
+def ground_under(boat: Any) -> Bottom | None:
+    """Return the ground of the exercise that a boat is in, None without one."""
+    part = boat.world.parts.get("bottom")
+    return part.bottom if isinstance(part, Ground) else None

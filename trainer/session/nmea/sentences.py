@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Final
 
+from trainer.io.chart import Chart
 from trainer.io.nmea import LINE_END, number, sentence
 from trainer.session.nmea import fields as tell
 from trainer.session.nmea.fields import DILUTION, SATELLITES
-from trainer.io.chart import Chart
 from trainer.session.nmea.readings import WIDEST, Readings, sight
 from trainer.session.stations.view import Frame
 
