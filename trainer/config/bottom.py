@@ -58,9 +58,7 @@ class BottomTable:
     grounding: str = usual(
         "free", Choice(GROUNDINGS, "what it does: nothing more, freeze time, end the exercise")
     )
-    bottoming: bool | None = optional(
-        Flag("the boat is to lie on it: told whether it was done well")
-    )
+    bottoming: bool | None = optional(Flag("the boat is to be laid down on it; else false"))
     breakout_t: float = usual(
         0.0, Quantity("t", within(0, 1000), "lift that mud holds a boat with; else 0")
     )

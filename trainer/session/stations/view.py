@@ -9,6 +9,7 @@ import numpy as np
 
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import Readings
+from trainer.boat.grounding import keel_of
 from trainer.core.casualties import instruments
 from trainer.core.state import SOUNDINGS, new_scratch, new_state
 from trainer.session.time.ledger import Summary
@@ -42,6 +43,8 @@ class Fittings(NamedTuple):
     buoyancy: float  # [N]
     g: float  # [m/s2]
     sail: tuple[float, float]  # [m] its top, body axes x and z
+    length: float  # [m]
+    keel: float  # [m] below the origin
 
     @classmethod
     def of(cls, boat: Boat) -> "Fittings":
@@ -55,6 +58,8 @@ class Fittings(NamedTuple):
             float(c.buoyancy),
             float(c.g),
             (float(c.x_sail), float(c.z_sail)),
+            float(c.ell),
+            keel_of(c),
         )
 
 
