@@ -18,7 +18,7 @@ from trainer.analysis.debrief.trajectory import Rows, Trajectory
 from trainer.analysis.report.svg import clock
 from trainer.boat.depths import lowest_depth
 from trainer.boat.limits import BEYOND
-from trainer.config.exercise import Loss
+from trainer.config.condition import Loss
 from trainer.config.score_rules import Rule, Score
 from trainer.session.plan import Plan
 
