@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat.world.contacts import Contacts, Ship
+from trainer.boat.world.contacts import Contacts, Ship, contacts_in
 from trainer.boat.world.hulls import OwnHull, Pose
 from trainer.boat.world.tracks import Situation, situation
 from trainer.config.contacts import Encounters
@@ -132,7 +132,7 @@ class EncounterMonitor:
     @classmethod
     def over(cls, boat: Any) -> "EncounterMonitor":
         """Return the watch over a boat."""
-        contacts = boat.world.parts.get("contact")
+        contacts = contacts_in(boat)
         monitor = cls(contacts, OwnHull.of(boat) if contacts else None)
         monitor.settle(boat)
         return monitor
@@ -157,12 +157,19 @@ class EncounterMonitor:
             self._pose = None
             return []
         now = self._pose = Pose.of(boat.state)
-        news = [] if before is None else self._measure(contacts, tick, before, now)
+        news = [] if before is None else self.step(contacts, tick, before, now)
         news += self._calls(boat, contacts)
         return [f"tick {tick} ({boat.time:g} s): {text}" for text in news]
 
-    def _measure(self, contacts: Contacts, tick: int, before: Pose, now: Pose) -> list[str]:
-        """Keep the least range of each ship; return which have been run into."""
+    def ended_by(self, boat: Any) -> str:
+        """Return by what collision the exercise ends after a tick, "" if it goes on."""
+        self.look(boat)
+        ends = self.struck and self.rules.collision == "end"
+        return f"collision with {self.struck}" if ends else ""
+
+    def step(self, contacts: Contacts, tick: int, before: Pose, now: Pose) -> list[str]:
+        """Keep the least range of each ship in the step to a tick; return the new collisions."""
+        self.struck, self.nearest = "", ("", math.inf)
         ships, ranges = passing(contacts, tick, before[:2], now[:2])
         for ship, apart in zip(ships, ranges.tolist(), strict=True):
             if apart < self.closest.get(ship.name, (math.inf, 0))[0]:
