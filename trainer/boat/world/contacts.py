@@ -11,7 +11,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from trainer.boat.world.hulls import Pose
 from trainer.boat.world.lights import Light, lights_of
+from trainer.boat.world.ship_force import Pull
 from trainer.boat.world.tracks import (
     Piece,
     Situation,
@@ -111,11 +113,12 @@ class Contacts:
         self.step = float(boat.method.step)
         self._first = Fleet({each.row.name: _ship_of(each) for each in ships})
         self._fleets: tuple[tuple[int, Fleet], ...] = ((0, self._first),)
+        self._pull = Pull(boat) if encounters.force == "on" else None
 
     @property
     def acts(self) -> bool:
         """Return whether ships pull at the boat."""
-        return False
+        return self._pull is not None and self.any
 
     @property
     def any(self) -> bool:
@@ -164,6 +167,12 @@ class Contacts:
 
     def write(self, state: Any) -> None:
         """Write the pull of the ships near for the tick that comes."""
+        if self._pull is None:
+            return
+        tick = int(state["tick"])
+        rows = zip(self.fleet(tick).order, *(each.tolist() for each in self.at(tick)), strict=True)
+        ships = [(ship.type, *row[:4]) for ship, *row in rows]
+        state["ship_force"][:] = self._pull.on(Pose.of(state), ships)
 
     def _change(self, tick: int, ships: dict[str, Ship], reply: str) -> str:
         self._fleets = (*self._fleets, (tick, Fleet(ships)))
