@@ -27,7 +27,7 @@ from trainer.boat.world.tracks import (
     unreached,
 )
 from trainer.config.contacts import MOST, NAMED, TYPES, Contact, Encounters, ShipType
-from trainer.config.files import ConfigError, nearest
+from trainer.config.files import ConfigError, collecting, nearest
 from trainer.config.world import WorldTables
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -111,7 +111,8 @@ class Contacts:
         """Have the ships of an exercise; ConfigError on a way that none can go."""
         self.encounters = encounters
         self.step = float(boat.method.step)
-        self._first = Fleet({each.row.name: _ship_of(each) for each in ships})
+        self.given = tuple(ships)
+        self._first = fleet_of(ships)
         self._fleets: tuple[tuple[int, Fleet], ...] = ((0, self._first),)
         self._pull = Pull(boat) if encounters.force == "on" else None
 
@@ -227,11 +228,22 @@ def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> str
     return f"a {kind} makes {fastest.fastest_kn:g} kn" if speed > fastest.fastest + 1e-9 else ""
 
 
+def fleet_of(ships: Sequence[Contact]) -> Fleet:
+    """Return the ships of an exercise; ConfigError with all ways that none can go."""
+    problems: list[str] = []
+    found = {}
+    for each in ships:
+        with collecting(problems):
+            found[each.row.name] = _ship_of(each)
+    if problems:
+        raise ConfigError(*problems)
+    return Fleet(found)
+
+
 def _ship_of(contact: Contact) -> Ship:
     """Return a ship of the exercise; ConfigError if its way cannot be gone."""
     row = contact.row
-    mmsi = None if row.mmsi is None else int(row.mmsi)
-    return Ship(row.name, row.type, contact.status, mmsi, way_of(contact))
+    return Ship(row.name, row.type, contact.status, row.mmsi, way_of(contact))
 
 
 def way_of(contact: Contact) -> Way:
