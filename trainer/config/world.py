@@ -4,10 +4,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from trainer.config.current import current_schema, read_current
 from trainer.config.files import ConfigError, Place, collecting
 
 # by the name of the table: from what it holds, its place, and the exercise's path to a record
-READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {}
+READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {"current": read_current}
+SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {"current": current_schema}
 
 WorldTables = Mapping[str, Any]  # records, by the names of their tables
 

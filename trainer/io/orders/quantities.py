@@ -64,6 +64,7 @@ NUMBERS = {
     "ALERT": Number("the number of an alert", (PLAIN,), 1.0, 999999.0, decimals=0),
     "DEGREE": Number("a sea state", (PLAIN,), 0.0, 8.0, decimals=0),
     "WIND": Number("a wind", (KNOTS, METRES_PER_SECOND), 0.0, 100.0),
+    "DRIFT": Number("a drift", (KNOTS, METRES_PER_SECOND), 0.0, 10.0),
     "HEIGHT": Number("a significant height", (METRES, FEET), 0.0, 25.0),
     "AMOUNT": Number("an amount of water", (TONNES,), 0.0, 1000.0),
     "SEVERITY": Number("a severity after a name like stern-stuck", (PLAIN,), -1000.0, 1000.0),

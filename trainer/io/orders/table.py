@@ -119,7 +119,11 @@ BOAT_TOPICS = (
         "tonnes to be moved; drain",
     ),
     Topic(("hover", "compressor"), "hover on | compressor on", "keep depth stopped; charge air"),
-    Topic(("sea",), "sea state 5 | wind 30 | calm", "also height 3 m, from 045"),
+    Topic(
+        ("sea", "current"),
+        "sea state 5 | current off",
+        "also wind 30, calm; set 090 drift 2",
+    ),
     Topic(
         ("casualty", "clear", "casualties"),
         "casualty NAME | clear all",
@@ -232,6 +236,8 @@ FORMS = (
     Form("sea height HEIGHT", "raise a sea of this significant height"),
     Form("sea from COURSE", "turn the sea, to come from there"),
     Form("sea calm", "let the sea go down"),
+    Form("current set COURSE drift DRIFT", "let the water go that way, towards it, so fast"),
+    Form("current off", "let it stand still over the ground"),
     Form("casualty NAME", "as severe and sudden as its table says"),
     Form("casualty NAME SEVERITY", "as severe as this"),
     Form("casualty NAME ramp SECONDS", "growing over this time"),
@@ -331,7 +337,7 @@ BOAT_ORDERS = frozenset(
         ),
         *("planes", "lever", "autopilot", "periscope", "surface", "dive", "blow", "emergency"),
         *("vent", "negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
-        *("sea", "casualty", "clear", "hold", "release", "order", "course-to"),
+        *("sea", "current", "casualty", "clear", "hold", "release", "order", "course-to"),
     )
 )
 # What is said between those who order the crew, the crew and the instructor: journalled as well.
