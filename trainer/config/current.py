@@ -1,5 +1,6 @@
 """A current, as an exercise or a sea file has it: uniform, by depth, or a tide."""
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -57,7 +58,7 @@ class Profile:
             told = f"must be a list of 1 to {MOST} rows [depth m, set deg, drift kn]"
             raise ConfigError(place.wrong(key, value, told))
         rows = tuple(self._row(f"{key}[{i}]", row, place) for i, row in enumerate(value))
-        for i, (upper, lower) in enumerate(zip(rows, rows[1:], strict=False), start=1):
+        for i, (upper, lower) in enumerate(itertools.pairwise(rows), start=1):
             if lower[0] <= upper[0]:
                 told = f"depths must rise: {lower[0]:g} m is not below {upper[0]:g} m"
                 raise ConfigError(place.wrong(f"{key}[{i}]", value[i], told))
@@ -97,7 +98,7 @@ class Current:
     table: tuple[tuple[float, ...], ...] | None = optional(
         Profile("by depth: `[depth, set, drift]`, depths rising; straight between, ends held")
     )
-    tide: Tide | None = optional(Table(Tide, "by time, below"))
+    tide: Tide | None = optional(Table(Tide, "by time, below"))  # noqa: RUF009  (a frozen description)
     ramp_s: float = usual(
         SLOWEST, Quantity("s", within(SLOWEST, 3600), f"of an order's change; else {SLOWEST:g}")
     )
