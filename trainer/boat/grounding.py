@@ -106,6 +106,7 @@ class Call(NamedTuple):
 
     text: str
     aground: bool = False  # it was not meant, or not done well
+    how: str = ""  # what the exercise then does: a word of GROUNDINGS
 
 
 @dataclass
@@ -143,7 +144,7 @@ class GroundMonitor:
             self._afloat()
         elif ticks >= AGROUND:
             calls += self._lying() if self.down_since is not None else self._aground(bottom)
-        return calls
+        return [call._replace(how=bottom.grounding) for call in calls]
 
     def _charted(self, bottom: Bottom) -> bool:
         plain = self.boat.plain

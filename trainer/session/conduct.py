@@ -13,6 +13,7 @@ from typing import Final
 
 from trainer.boat.depths import collapse_of, hull_depth
 from trainer.boat.grounding import GroundMonitor
+from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.course import course
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.table import BOAT_ORDERS
@@ -20,7 +21,15 @@ from trainer.io.recording.recording import RecordingError
 from trainer.session.control import HERE, Control
 from trainer.session.crew import role_of
 from trainer.session.event_log import EventLog
-from trainer.session.exercise import AT_ITS_END, OVER, Debriefing, Ending, Judgement, Work
+from trainer.session.exercise import (
+    AT_ITS_END,
+    OVER,
+    Debriefing,
+    Ending,
+    Following,
+    Judgement,
+    Work,
+)
 from trainer.session.stations.past import PastReader
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
 from trainer.session.stations.station import Asked, Fact, News, Station
@@ -34,14 +43,6 @@ WATCHING: Final = frozenset(  # what an instructor without command may say
     }
 )
 NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer", "visitor")  # nobody asks: ready?
-
-
-@dataclass(frozen=True)
-class Following:
-    """The exercises that may follow in this process, or why another process is needed."""
-
-    problem: Callable[[str], str] = lambda _: ""  # with an exercise, "" for none
-    barred: str = "this session is one run"
 
 
 @dataclass
@@ -126,15 +127,18 @@ class Conduct:
         self.begun = self.control.boat.ticks > 0
         lost, ending = self.control.failure, self.ending
         if lost and ending.watched and not ending.over:
-            ending.end("lost", f"lost at {self.control.boat.time:g} s")
-            ending.why = lost
+            ending.end("lost", f"lost at {self.control.boat.time:g} s", lost)
             self._stop()
         elif ending.look(self.control.boat):
             self._stop()
 
     def judge_hull(self) -> None:
-        """Tell that the hull has collapsed; a replay goes to its end all the same."""
+        """Tell of the ground, and that the hull has collapsed; a replay goes to its end anyway."""
         control = self.control
+        for call in self.ground.look() if self.ground.bottom else ():
+            self.tell_depth(call.text)
+            if call.aground and not control.history.rerun:
+                self.halt(call.text, call.how)
         if control.history.rerun or control.failure:
             return
         control.failure = collapse_of(control.boat)
@@ -142,19 +146,21 @@ class Conduct:
             depth = hull_depth(control.boat)
             self.tell_depth(control.failure, Fact("collapse", f"{depth:.1f}"))
 
-    def judge_ground(self) -> None:
-        """Tell what the boat does to the ground, and do what the exercise has for it."""
-        bottom = self.ground.bottom
-        for call in self.ground.look():
-            self.tell_depth(call.text)
-            if not call.aground or bottom is None or self.control.history.rerun:
-                continue
-            if bottom.grounding == "freeze":
-                self.control.time.pacer.freeze()
-            elif bottom.grounding == "end" and not self.ending.over:
-                self.ending.end("lost", f"lost at {self.control.boat.time:g} s")
-                self.ending.why = call.text
-                self._stop()
+    def collide(self, met: EncounterMonitor) -> None:
+        """Do what the exercise has a collision do."""
+        if met.struck and not self.control.history.rerun:
+            self.halt(f"collision with {met.struck}", met.rules.collision)
+
+    def halt(self, why: str, how: str) -> None:
+        """Freeze time, or end the exercise as lost, by ``how``; another word does nothing."""
+        if how == "end" and not self.ending.over:
+            self.ending.end("lost", f"lost at {self.control.boat.time:g} s", why)
+            self._stop()
+        elif how == "freeze":
+            self.control.time.pacer.freeze()
+            self.control.steps = 0
+            self.log.tell("time", f"frozen: {why}")
+            self.show()
 
     def tell_depth(self, words: str, fact: Fact | None = None) -> None:
         """Tell what the depth has come to, with its tick."""
@@ -198,7 +204,8 @@ class Conduct:
     def go_over(self, tick: Callable[[], int]) -> None:
         """Compute the ticks by machine code from now on, at the speed asked for."""
         boat = self.control.boat
-        boat.advance, self.compiled_from = tick, boat.ticks + 1
+        boat.go_over(tick)
+        self.compiled_from = boat.ticks + 1
         self.control.time.recover()
         ready = f"compiled code is ready: from tick {self.compiled_from} on"
         self.log.tell("time", ready, fact=Fact("compiled"))

@@ -470,10 +470,9 @@ class Session:
         for kind, monitor in (("watch", self.monitor), ("pilot", self.pilot)):
             for text in monitor.look(self.boat):
                 self.event_log.alert(kind, text)
+        self.conduct.collide(self.monitor.encounters)
         if passed := self.depths.look(self.boat):  # on the way down
             self.conduct.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"))
-        if self.conduct.ground.bottom is not None:
-            self.conduct.judge_ground()
         self.conduct.judge_hull()
         self._tell_plans()
         if self.history.rerun is None:

@@ -16,6 +16,7 @@ from trainer.io.nmea import LINE_END, number, sentence
 from trainer.session.nmea import fields as tell
 from trainer.session.nmea.fields import DILUTION, SATELLITES
 from trainer.session.nmea.readings import WIDEST, Readings, sight
+from trainer.session.nmea.transponders import Transponders
 from trainer.session.stations.view import Frame
 
 TALKER: Final = "IN"
@@ -34,6 +35,7 @@ class Instrument:
     source: str
     read: Callable[[Readings], tuple[str, ...]]
     ground: bool | None = None  # sent with a ground alone, or without one alone
+    asked: bool = False  # sent only where it is named
 
     @property
     def name(self) -> str:
@@ -143,6 +145,25 @@ INSTRUMENTS: Final = (
         ("heading [deg true]", "T", "-", "M", "speed [kn]", "N", "speed [km/h]", "K"),
         GAUGES,
         tell.water_speed,
+    ),
+    Instrument(
+        "INVDR",
+        "current, where it goes to",
+        ("set [deg true]", "T", "-", "M", "drift [kn]", "N"),
+        TRUE,
+        tell.current,
+        asked=True,
+    ),
+    Instrument(
+        "INVBW",
+        "speeds through the water and over the ground",
+        (
+            *("ahead through the water [kn]", "across, to starboard positive [kn]", "A"),
+            *("ahead over the ground [kn]", "across [kn]", "A", "-", "V", "-", "V"),
+        ),
+        f"ahead through the water {GAUGES}, the rest true",
+        tell.ways,
+        asked=True,
     ),
     Instrument(
         "INRSA",
@@ -262,6 +283,7 @@ INSTRUMENTS: Final = (
     ),
 )
 NAMES: Final = tuple(dict.fromkeys(instrument.name for instrument in INSTRUMENTS))
+USUAL: Final = tuple(dict.fromkeys(each.name for each in INSTRUMENTS if not each.asked))
 
 
 def choose_instruments(names: Iterable[str]) -> tuple[Instrument, ...]:
@@ -279,16 +301,23 @@ def widest(instruments: Iterable[Instrument]) -> int:
 class InstrumentSet:
     """A display of frames: one set of sentences for each."""
 
-    def __init__(self, instruments: tuple[Instrument, ...], chart: Chart, start: datetime) -> None:
-        """Show those instruments of a session that began at ``start``, UTC."""
-        self._instruments = instruments
+    def __init__(
+        self,
+        instruments: tuple[Instrument, ...],
+        chart: Chart,
+        start: datetime,
+        receiver: Transponders | None = None,
+    ) -> None:
+        """Show those instruments of a session that began at ``start``, UTC; ``receiver`` is AIS."""
+        self._instruments, self._receiver = instruments, receiver
         self._chart = chart
         self._start = start
 
     def lines(self, frame: Frame) -> list[str]:
-        """Return the set of one tick."""
+        """Return the set of one tick, and what ships have sent since the last."""
         seen = sight(frame, self._chart, self._start)
-        return [each.sentence(seen) for each in self._instruments if each.fits(seen)]
+        told = [each.sentence(seen) for each in self._instruments if each.fits(seen)]
+        return told + self._receiver.lines(frame) if self._receiver else told
 
 
 class Sampled:
