@@ -3,10 +3,10 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from trainer.boat.boat import PLACES, Boat
-from trainer.boat.world.bottom import ground_under
+from trainer.boat.world.bottom import ground_under, height_of_keel, keel_of
 from trainer.config.bottom import Bottom, is_charted
 from trainer.core.bottom import PLACES as STATIONS
 from trainer.core.state import SOUNDINGS
@@ -56,25 +56,9 @@ class Touch(NamedTuple):
         return [words for words, is_fault in told.items() if is_fault]
 
 
-def keel_of(vessel: Any) -> float:
-    """Return how far [m] the keel is below the origin."""
-    return float(0.5 * vessel.hull_diameter + vessel.hull_axis)
-
-
 def clearance(boat: Boat) -> float:
     """Return the least height [m] of the keel over the ground; infinite without a ground."""
     return height_of_keel(boat.plain, float(boat.vessel.ell), keel_of(boat.vessel))
-
-
-def height_of_keel(numbers: Sequence[float], length: float, keel: float) -> float:
-    """Return the same of a state's ``numbers``, a boat's ``length`` [m] and ``keel`` [m]."""
-    first, theta = PLACES["bottom"], numbers[PLACES["theta"]]
-    if numbers[first] == 0.0:
-        return math.inf
-    lean = length * math.sin(theta)
-    least = min(numbers[first + i] + x * lean for i, x in enumerate(STATIONS))
-    upright = math.cos(theta) * math.cos(numbers[PLACES["phi"]])
-    return least - numbers[PLACES["z"]] - keel * upright
 
 
 def touch_of(read: Read, length: float) -> Touch:

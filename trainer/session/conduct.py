@@ -70,11 +70,10 @@ class Conduct:
     clock: Callable[[], float] = time.monotonic
     command: Command = field(default_factory=Command)
     ready: list[Station] = field(default_factory=list)
-    begun: bool = False  # time has run since the start
+    begun: bool = False  # time has run
     compiled_from: int = 0  # the tick, where the run began interpreted
     work: Work = field(init=False)
     past: PastReader = field(init=False)
-    ground: GroundMonitor = field(init=False)
 
     def __post_init__(self) -> None:
         self.work = Work(self.wake)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.crew_orders import AXES
-from trainer.boat.grounding import NAMES, keel_of
-from trainer.boat.world.bottom import ground_under
+from trainer.boat.grounding import NAMES
+from trainer.boat.world.bottom import ground_under, keel_of
 from trainer.config.condition import ANGLE, DERIVED, QUANTITIES, Condition
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError

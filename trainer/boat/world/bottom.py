@@ -1,16 +1,41 @@
 """The ground under the boat: a chart that each tick sounds, and what an exercise says of it."""
 
+import math
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.bottom import Bottom
+from trainer.config.bottom import NEAR, Bottom, is_charted, land_near
+from trainer.config.files import ConfigError
 from trainer.config.world import WorldTables
+from trainer.core.bottom import PLACES as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.core.soundings import FIRST, sound
+from trainer.core.state import STATE
 from trainer.io.orders.grammar import Order, Refused, Reply
 
 LONGEST: Final = 1.0  # [s] step, with which the ground's spring is held
+ROOM: Final = 5.0  # [m] under the keel, with which a boat may start
+PLACES: Final = {name: int(place[1]) // 8 for name, place in (STATE.fields or {}).items()}
+BOTTOM, THETA, PHI, Z = (PLACES[name] for name in ("bottom", "theta", "phi", "z"))
+
+
+def keel_of(vessel: Any) -> float:
+    """Return how far [m] the keel is below the origin."""
+    return float(0.5 * vessel.hull_diameter + vessel.hull_axis)
+
+
+def height_of_keel(numbers: Sequence[float], length: float, keel: float) -> float:
+    """Return the least height [m] of a keel over the ground; infinite without a ground.
+
+    ``numbers`` are a state's; ``length`` [m] is the boat's, whose keel is ``keel`` [m] below her.
+    """
+    if numbers[BOTTOM] == 0.0:
+        return math.inf
+    lean = length * math.sin(numbers[THETA])
+    least = min(numbers[BOTTOM + i] + x * lean for i, x in enumerate(STATIONS))
+    return least - numbers[Z] - keel * math.cos(numbers[THETA]) * math.cos(numbers[PHI])
 
 
 def chart_of(bottom: Bottom) -> Numbers:
@@ -24,6 +49,24 @@ def chart_of(bottom: Bottom) -> Numbers:
 def is_level(chart: Numbers) -> bool:
     """Return whether a chart is the same everywhere, so that it need be sounded but once."""
     return bool(np.all(chart[FIRST:] == chart[FIRST]))
+
+
+def refuse_start(boat: Any, bottom: Bottom) -> None:
+    """Raise ConfigError with all that a run cannot begin with over this ground."""
+    north, east = float(boat.state.x), float(boat.state.y)
+    room = height_of_keel(boat.plain, float(boat.vessel.ell), keel_of(boat.vessel))
+    land = land_near(bottom, north, east)
+    step = boat.method.step
+    problems = {
+        f"[bottom] with a step of {step:g} s: {LONGEST:g} s at most": step > LONGEST,
+        "[bottom] grid: the boat starts off it": not is_charted(bottom, north, east),
+        f"[bottom] grid: has no value {land:.0f} m from the start: {NEAR:g} m at least": land
+        < math.inf,
+        f"[bottom]: the boat starts with {room:.1f} m under the keel: {ROOM:g} m at least": room
+        < ROOM,
+    }
+    if any(problems.values()):
+        raise ConfigError(*(told for told, is_so in problems.items() if is_so))
 
 
 class Ground:
@@ -42,6 +85,7 @@ class Ground:
         chart = chart_of(bottom)
         sound(boat.records.vessel, chart, boat.records.state)
         boat.sound_by(None if is_level(chart) else chart)
+        refuse_start(boat, bottom)
 
     def obey(self, order: Order, _tick: int) -> Reply:
         """Refuse an order: nobody orders the ground."""

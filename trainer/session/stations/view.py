@@ -9,7 +9,7 @@ import numpy as np
 
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import Readings
-from trainer.boat.grounding import keel_of
+from trainer.boat.world.bottom import keel_of
 from trainer.core.casualties import instruments
 from trainer.core.state import SOUNDINGS, new_scratch, new_state
 from trainer.session.time.ledger import Summary
