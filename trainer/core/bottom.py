@@ -156,10 +156,12 @@ def bottom_forces(vessel: Record, scheme: Record, state: Record, force: Numbers)
     """Add what the ground does to a hull that touches it, and count the ticks for which it does."""
     s = state[0]
     keel = keel_below(vessel)
-    s.bottom_load = 0.0
+    s.bottom_load, lies = 0.0, False
     least = clearance(state, keel)
     if least <= REACH * vessel[0].ell:
-        lean = REACH * vessel[0].ell * abs(sine(s.theta))
-        if least - lean <= holding(vessel, scheme, state):
+        least -= REACH * vessel[0].ell * abs(sine(s.theta))
+        holds = holding(vessel, scheme, state)
+        if least <= holds:
             add_ground(vessel, scheme, keel, state, force)
-    s.aground = s.aground + 1.0 if s.bottom_load != 0.0 else 0.0
+            lies = holds > 0.0
+    s.aground = s.aground + 1.0 if s.bottom_load != 0.0 or lies else 0.0

@@ -85,7 +85,6 @@ class Ground:
         chart = chart_of(bottom)
         sound(boat.records.vessel, chart, boat.records.state)
         boat.sound_by(None if is_level(chart) else chart)
-        refuse_start(boat, bottom)
 
     def obey(self, order: Order, _tick: int) -> Reply:
         """Refuse an order: nobody orders the ground."""
@@ -99,8 +98,11 @@ class Ground:
 
 
 def ground_of(boat: Any, tables: WorldTables) -> Ground:
-    """Return the ground of an exercise under a boat."""
-    return Ground(boat, tables.get("bottom"))
+    """Return the ground of an exercise under a boat; ConfigError where it cannot start there."""
+    part = Ground(boat, tables.get("bottom"))
+    if part.bottom is not None:
+        refuse_start(boat, part.bottom)
+    return part
 
 
 def ground_under(boat: Any) -> Bottom | None:
