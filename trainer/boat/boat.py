@@ -184,7 +184,7 @@ class Boat:
         return self.advance()
 
     def sound_by(self, chart: Numbers | None) -> None:
-        """Have each tick look at this chart of the ground first; None: at none."""
+        """Sound this chart of the ground before each tick from now on; None: none."""
         self.chart = chart
         for name in ("advance", "tick"):
             self.__dict__.pop(name, None)

@@ -1,4 +1,4 @@
-"""The ground seen from aboard: how far the keel is above it, how it was touched, and the calls."""
+"""The ground seen from aboard: the clearance, how it was touched, and the calls."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -75,7 +75,7 @@ def touch_of(read: Read, length: float) -> Touch:
 
 
 def lies_well(load_t: float, u_c: float) -> bool:
-    """Return whether a boat lies on the ground as it should, by load and command speed [m/s]."""
+    """Return whether a boat lies on the ground well, by load and command speed [m/s]."""
     return LIGHTEST <= load_t <= HEAVIEST and abs(u_c) < STOPPED
 
 
@@ -86,7 +86,7 @@ _PLACES: Final = {
 
 
 class Call(NamedTuple):
-    """What there is to call out."""
+    """One call about the ground."""
 
     text: str
     aground: bool = False  # it was not meant, or not done well

@@ -1,4 +1,4 @@
-"""The ground under the boat, as an exercise's table [bottom] has it: flat, a slope or a grid."""
+"""The ground as an exercise's table [bottom] has it: flat, a slope or a grid."""
 
 import math
 from dataclasses import dataclass, replace
@@ -66,7 +66,7 @@ class BottomTable:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bottom:
-    """The ground: a grid of depths [m], two by two where it is a plane, and how it acts."""
+    """The ground: a grid of depths [m], two by two for a plane, and its ways."""
 
     depth: Grid  # [m] positive down, on the exercise's plane; land where the file has no value
     known: Grid | None  # the same with NaN there; None: a plane, which has no end

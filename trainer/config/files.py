@@ -220,7 +220,7 @@ def read_text(path: Path) -> str:
 
 
 def read_kept(path: Path, read: Callable[[Path], str]) -> str:
-    """Return the text that ``read`` makes of a file; it is remembered, or the one recorded."""
+    """Return the text that ``read`` makes of a file, remembered, or the recorded one."""
     key, texts = key_of(path), _recorded.get()
     if texts is None:
         text = read(path)

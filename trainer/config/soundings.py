@@ -1,4 +1,4 @@
-"""Soundings on a grid, read from an ESRI ASCII grid or a GeoTIFF, and kept as a text.
+"""Soundings on a grid are read from ESRI ASCII or GeoTIFF, and kept as a text.
 
 A recording holds that text, so that a replay needs neither the file nor what reads it.
 """
@@ -34,7 +34,7 @@ MARK: Final = "soundings/1 "  # what the text of a grid begins with
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Values at the points of a grid, the southernmost row first, NaN where there is none."""
+    """Values at the points of a grid, the southernmost row first, NaN for none."""
 
     values: Numbers  # (rows, columns), as the file has them
     west: float  # [m] or [deg] of the first column
@@ -207,7 +207,7 @@ WARP: Final = "gdalwarp -t_srs EPSG:4326 IN.tif OUT.tif"
 
 
 def read_geotiff(path: Path) -> Grid:
-    """Return the grid of a GeoTIFF; ConfigError if it is none of those that are read."""
+    """Return the grid of a GeoTIFF; ConfigError if it is of a form not read."""
     try:
         import tifffile  # noqa: PLC0415  an extra
     except ImportError:
@@ -284,9 +284,9 @@ Position = Callable[[float, float], tuple[float, float]]
 
 
 def on_the_plane(grid: Grid, position: Position) -> Grid:
-    """Return a grid of degrees sampled on the exercise's plane, in cells as long as its rows'.
+    """Return a grid of degrees sampled on the exercise's plane.
 
-    ``position`` is the chart's: from north and east [m] to latitude and longitude [deg]. It is
+    Its cells are as long as those of degrees are from row to row. ``position`` is the chart's: from north and east [m] to latitude and longitude [deg]. It is
     computed on a lattice, and is linear between its knots: off by 0.1 m where they are 3 km apart.
     """
     rows, columns = grid.values.shape

@@ -1,6 +1,6 @@
-"""The ground under the hull: a soft spring with damping and friction at places along the keel.
+"""The ground under the hull: a soft spring with damping and friction.
 
-At x ahead of the origin the keel is p below ground that rises with the unit normal n, and moves
+At five places x ahead of the origin the keel is p below ground that rises with the unit normal n, and moves
 over it at v. The ground then pushes with
 
     N = max(k p - d v.n, 0)        F = N n - mu N v_t/max(|v_t|, v0)
@@ -36,7 +36,7 @@ def keel_below(vessel: Record) -> float:
 
 @part
 def clearance(state: Record, keel: float) -> float:
-    """Return the least height [m] over the ground of a level keel, ``keel`` below the origin."""
+    """Return the least height [m] of a level ``keel`` [m] over the ground."""
     s = state[0]
     least = math.inf
     for i in range(SOUNDINGS):
@@ -52,9 +52,9 @@ def dot(a: Vector, b: Vector) -> float:
 
 @part
 def push(vessel: Record, scheme: Record, state: Record, p: float, n: Vector, v: Vector) -> Vector:
-    """Return the force [N] of the ground on a place ``p`` [m] below it that moves at ``v`` [m/s].
+    """Return the force [N] of the ground on a place ``p`` [m] below it.
 
-    All are over ground, north, east and down.
+    It moves at ``v`` [m/s]. All are over ground, north, east and down.
     """
     how, s = scheme[0], state[0]
     mass = s.weight / vessel[0].g + vessel[0].m33
@@ -76,7 +76,7 @@ def push(vessel: Record, scheme: Record, state: Record, p: float, n: Vector, v: 
 
 @part
 def holding(vessel: Record, scheme: Record, state: Record) -> float:
-    """Return how far [m] above the ground it still holds a hull that lies on it."""
+    """Return how far [m] above the ground it holds a hull that lay there."""
     if scheme[0].breakout <= 0.0 or state[0].aground == 0.0:
         return 0.0
     mass = state[0].weight / vessel[0].g + vessel[0].m33
@@ -105,7 +105,7 @@ def axes(state: Record) -> Axes:
 
 @part
 def over_ground(state: Record, turned: Axes, x: float, keel: float, z: float) -> Vector:
-    """Return the velocity [m/s] over ground of the keel at ``x`` [m], which is at depth ``z``."""
+    """Return the velocity [m/s] over ground of the keel at ``x``, as deep as ``z`` [m]."""
     s = state[0]
     ahead, right, down = turned
     a, b, c = s.u + keel * s.q, s.v + x * s.r - keel * s.p, s.w - x * s.q
@@ -120,7 +120,10 @@ def over_ground(state: Record, turned: Axes, x: float, keel: float, z: float) ->
 
 @part
 def add_at(turned: Axes, x: float, keel: float, f: Vector, force: Numbers) -> None:
-    """Add a force [N] on the keel at ``x`` [m], north, east and down, with its moments."""
+    """Add a force [N] on the keel at ``x`` [m], with its moments.
+
+    The force is north, east and down.
+    """
     ahead, right, down = turned
     along, aside, below = dot(f, ahead), dot(f, right), dot(f, down)
     force[0] += along
@@ -133,7 +136,7 @@ def add_at(turned: Axes, x: float, keel: float, f: Vector, force: Numbers) -> No
 
 @part
 def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force: Numbers) -> None:
-    """Add the forces X Y Z [N] and moments K M N [N m] of the ground on the keel."""
+    """Add the forces [N] and moments [N m] of the ground on the keel."""
     s = state[0]
     turned = axes(state)
     ahead, _, down = turned
@@ -153,7 +156,7 @@ def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force
 
 @part
 def bottom_forces(vessel: Record, scheme: Record, state: Record, force: Numbers) -> None:
-    """Add what the ground does to a hull that touches it, and count the ticks for which it does."""
+    """Add what the ground does to a hull that touches it, and count the ticks."""
     s = state[0]
     keel = keel_below(vessel)
     s.bottom_load, lies = 0.0, False

@@ -194,7 +194,7 @@ def advance_casualties(state: Record) -> None:
 
 @part
 def sounding(state: Record) -> float:
-    """Return how far [m] the ground is below the boat's origin, 0 where no echo comes."""
+    """Return how far [m] the ground is below the origin, 0 without an echo."""
     s = state[0]
     height = s.bottom[0, SOUNDINGS // 2] - s.z
     return height if s.bottom[0, 0] != 0.0 and 0.0 < height <= SOUNDER_RANGE else 0.0
@@ -239,7 +239,7 @@ def reading(gauge: int, state: Record) -> float:
 
 @kernel
 def instruments(state: Record, scratch: Record) -> None:
-    """Write what depth gauge [m], gyro [rad], log [m/s] and sounder [m] read at this tick."""
+    """Write what depth gauge [m], gyro [rad], log [m/s] and sounder [m] read."""
     for gauge in range(4):
         scratch[0].reading[gauge] = reading(gauge, state)
 

@@ -23,7 +23,7 @@ Cell = tuple[int, int]  # row and column of its first sample
 
 @part
 def sound_in(chart: Numbers, cell: Cell, i: float, j: float, place: int, state: Record) -> None:
-    """Write depth and slopes at ``i`` rows and ``j`` columns of a chart, in that cell of it."""
+    """Write depth and slopes at ``i`` rows and ``j`` columns of a chart."""
     s = state[0]
     width = int(chart[COLUMNS])
     at = FIRST + cell[0] * width + cell[1]
@@ -39,7 +39,7 @@ def sound_in(chart: Numbers, cell: Cell, i: float, j: float, place: int, state: 
 
 @part
 def sound_at_edge(chart: Numbers, i: float, j: float, place: int, state: Record) -> None:
-    """Write depth and slopes where a chart may have ended: as at its edge, and level across it."""
+    """Write depth and slopes where a chart may have ended, as at its edge."""
     s = state[0]
     rows, columns = chart[ROWS], chart[COLUMNS]
     row, column = max(min(i, rows - 1.0), 0.0), max(min(j, columns - 1.0), 0.0)

@@ -132,7 +132,7 @@ class Conduct:
             self._stop()
 
     def judge_hull(self) -> None:
-        """Tell of the ground, and that the hull has collapsed; a replay goes to its end anyway."""
+        """Tell of the ground and of the hull's collapse. A replay goes to its end anyway."""
         control = self.control
         for call in self.ground.look() if self.ground.bottom else ():
             self.tell_depth(call.text)

@@ -1,4 +1,4 @@
-"""The groundings of a passage: when, how hard, and whether the boat was laid down well."""
+"""The groundings of a passage: when, how hard, and whether they were meant."""
 
 from collections.abc import Iterator
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""The ground under the boat: a chart that each tick sounds, and what an exercise says of it."""
+"""The ground of an exercise under the boat: a chart that each tick sounds."""
 
 import math
 from collections.abc import Sequence
@@ -29,7 +29,7 @@ def keel_of(vessel: Any) -> float:
 def height_of_keel(numbers: Sequence[float], length: float, keel: float) -> float:
     """Return the least height [m] of a keel over the ground; infinite without a ground.
 
-    ``numbers`` are a state's; ``length`` [m] is the boat's, whose keel is ``keel`` [m] below her.
+    ``numbers`` are a state's; ``length`` [m] is the boat's, ``keel`` [m] how far it is below.
     """
     if numbers[BOTTOM] == 0.0:
         return math.inf
@@ -47,7 +47,7 @@ def chart_of(bottom: Bottom) -> Numbers:
 
 
 def is_level(chart: Numbers) -> bool:
-    """Return whether a chart is the same everywhere, so that it need be sounded but once."""
+    """Return whether a chart is level, so that it need be sounded but once."""
     return bool(np.all(chart[FIRST:] == chart[FIRST]))
 
 

@@ -148,7 +148,7 @@ def speed_log(model: SessionModel) -> Gauge:
 
 
 def angles(model: SessionModel, width: int) -> Line:
-    """Return pitch and heel in words, the echo sounder where it hears one, the ordered pitch."""
+    """Return pitch and heel in words, the echo sounder, and the ordered pitch."""
     sounding = model.picture.number("diving", "sounding")
     echo = "" if sounding is None else f"{sounding:.1f} m  "
     shown = line(
