@@ -286,8 +286,9 @@ Position = Callable[[float, float], tuple[float, float]]
 def on_the_plane(grid: Grid, position: Position) -> Grid:
     """Return a grid of degrees sampled on the exercise's plane.
 
-    Its cells are as long as those of degrees are from row to row. ``position`` is the chart's: from north and east [m] to latitude and longitude [deg]. It is
-    computed on a lattice, and is linear between its knots: off by 0.1 m where they are 3 km apart.
+    Its cells are as long as those of degrees are from row to row. ``position`` is the chart's: from
+    north and east [m] to latitude and longitude [deg]. It is computed on a lattice, and is linear
+    between its knots: off by 0.1 m where they are 3 km apart.
     """
     rows, columns = grid.values.shape
     cell = max(grid.cell[0] * METRES, math.sqrt(_area(grid, position) / CELLS))

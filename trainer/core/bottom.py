@@ -1,7 +1,7 @@
 """The ground under the hull: a soft spring with damping and friction.
 
-At five places x ahead of the origin the keel is p below ground that rises with the unit normal n, and moves
-over it at v. The ground then pushes with
+At a place x ahead of the origin the keel is p below ground that rises with the unit normal n, and
+moves over it at v. The ground then pushes with
 
     N = max(k p - d v.n, 0)        F = N n - mu N v_t/max(|v_t|, v0)
     m = W/g - Z_wdot        k = w^2 m/5        d = 2 zeta w m/5        v0 = max(0.1, 10 h mu N/m)
