@@ -38,6 +38,7 @@ def test_any_quantity_of_a_condition_can_lose_an_exercise(
 ) -> None:
     boat = crewed().boat
     boat.state.z = 2.0  # the sail shows
+    boat.state.bottom[0] = 50.0
     value = quantity_of(boat, quantity)
     assert math.isfinite(value)
     for sense, strict, threshold, met in (
