@@ -90,7 +90,9 @@ def test_a_fast_one_is_hard_aground(make_boat: MakeBoat) -> None:
         (Touch(0.1, 1.9 * KNOT, 0.1, 0.0), "rock", False),
     ],
 )
-def test_hard_is_fast_into_the_ground_or_way_over_rock(touch: Touch, kind: str, hard: bool) -> None:
+def test_hard_is_fast_into_the_ground_or_way_over_rock(
+    touch: Touch, kind: str, *, hard: bool
+) -> None:
     assert touch.is_hard(kind) is hard
 
 
@@ -148,7 +150,7 @@ def test_clearance_is_the_keel_s_and_a_limit(make_boat: MakeBoat) -> None:
 
 @pytest.mark.parametrize(("how", "over"), [("free", False), ("freeze", False), ("end", True)])
 def test_grounding_does_what_the_exercise_says(
-    crewed: Callable[..., Crewed], how: str, over: bool
+    crewed: Callable[..., Crewed], how: str, *, over: bool
 ) -> None:
     ship = crewed(seconds=600.0)
     sinking(ship.boat, 1.0, 0.3, grounding=how)
@@ -254,7 +256,7 @@ def flown(folder: Path, kind: str) -> tuple[Plan, Rehearsal]:
 
 @pytest.mark.parametrize(("kind", "hard"), [("sand", False), ("rock", True)])
 def test_a_grounding_is_counted_and_a_hard_one_leaves_no_marks(
-    tmp_path: Path, kind: str, hard: bool
+    tmp_path: Path, kind: str, *, hard: bool
 ) -> None:
     plan, nobody = flown(tmp_path, kind)
     (found,) = groundings(nobody.trajectory)
