@@ -66,7 +66,7 @@ class BottomTable:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bottom:
-    """The ground: a grid of depths [m], two by two for a plane, and its ways."""
+    """The ground: a grid of depths [m], two by two for a plane."""
 
     depth: Grid  # [m] positive down, on the exercise's plane; land where the file has no value
     known: Grid | None  # the same with NaN there; None: a plane, which has no end

@@ -1,4 +1,4 @@
-"""Soundings on a grid are read from ESRI ASCII or GeoTIFF, and kept as a text.
+"""Soundings on a grid, from ESRI ASCII or GeoTIFF, kept as a text.
 
 A recording holds that text, so that a replay needs neither the file nor what reads it.
 """

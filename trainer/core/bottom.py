@@ -51,26 +51,35 @@ def dot(a: Vector, b: Vector) -> float:
 
 
 @part
-def push(vessel: Record, scheme: Record, state: Record, p: float, n: Vector, v: Vector) -> Vector:
-    """Return the force [N] of the ground on a place ``p`` [m] below it.
+def carried(vessel: Record, scheme: Record, state: Record, p: float, rise: float) -> float:
+    """Return the load [N] on a place ``p`` [m] below the ground.
+
+    The place leaves the ground at ``rise`` [m/s]. The load is negative where the ground holds the hull.
+    """
+    mass = state[0].weight / vessel[0].g + vessel[0].m33
+    normal = STIFFNESS / SOUNDINGS * mass * (STIFFNESS * p - 2.0 * DAMPING * rise)
+    if p > 0.0:
+        return max(normal, 0.0)
+    return min(max(normal, -scheme[0].breakout / SOUNDINGS), 0.0)
+
+
+@part
+def push(
+    vessel: Record, scheme: Record, state: Record, load: float, n: Vector, v: Vector
+) -> Vector:
+    """Return the force [N] of the ground on a place with a ``load`` [N].
 
     It moves at ``v`` [m/s]. All are over ground, north, east and down.
     """
-    how, s = scheme[0], state[0]
-    mass = s.weight / vessel[0].g + vessel[0].m33
-    share = STIFFNESS / SOUNDINGS * mass
+    mass = state[0].weight / vessel[0].g + vessel[0].m33
     rise = dot(v, n)
-    normal = share * (STIFFNESS * p - 2.0 * DAMPING * rise)
-    normal = max(normal, 0.0) if p > 0.0 else min(max(normal, -how.breakout / SOUNDINGS), 0.0)
     along = (v[0] - rise * n[0], v[1] - rise * n[1], v[2] - rise * n[2])
-    rub = how.friction * abs(normal)
-    smooth = max(SLOWEST, 10.0 * how.h * rub / mass, math.sqrt(dot(along, along)))
-    s.bottom_load += normal
-    rub /= smooth
+    rub = scheme[0].friction * abs(load)
+    rub /= max(SLOWEST, 10.0 * scheme[0].h * rub / mass, math.sqrt(dot(along, along)))
     return (
-        normal * n[0] - rub * along[0],
-        normal * n[1] - rub * along[1],
-        normal * n[2] - rub * along[2],
+        load * n[0] - rub * along[0],
+        load * n[1] - rub * along[1],
+        load * n[2] - rub * along[2],
     )
 
 
@@ -105,7 +114,7 @@ def axes(state: Record) -> Axes:
 
 @part
 def over_ground(state: Record, turned: Axes, x: float, keel: float, z: float) -> Vector:
-    """Return the velocity [m/s] over ground of the keel at ``x``, as deep as ``z`` [m]."""
+    """Return the velocity [m/s] over ground of the keel at ``x`` and ``z`` [m]."""
     s = state[0]
     ahead, right, down = turned
     a, b, c = s.u + keel * s.q, s.v + x * s.r - keel * s.p, s.w - x * s.q
@@ -150,8 +159,10 @@ def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force
         norm = 1.0 / math.sqrt(1.0 + north * north + east * east)
         p = (z - s.bottom[0, i]) * norm
         n = (north * norm, east * norm, -norm)
-        f = push(vessel, scheme, state, p, n, over_ground(state, turned, x, keel, z))
-        add_at(turned, x, keel, f, force)
+        v = over_ground(state, turned, x, keel, z)
+        load = carried(vessel, scheme, state, p, dot(v, n))
+        s.bottom_load += load
+        add_at(turned, x, keel, push(vessel, scheme, state, load, n, v), force)
 
 
 @part
