@@ -230,7 +230,7 @@ def test_above_the_surface_depth_is_nought_and_altitude_is_not() -> None:
 
 def test_sentences_are_chosen_by_name_and_sent_in_their_order() -> None:
     assert [each.address for each in choose_instruments(["HDT", "RMC"])] == ["INRMC", "INHDT"]
-    assert len(choose_instruments(["XDR"])) == 2
+    assert len(choose_instruments(["XDR"])) == 3
 
 
 def test_a_file_has_a_set_at_the_rate_of_the_boats_time_and_one_when_time_goes_back() -> None:

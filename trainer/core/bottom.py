@@ -54,7 +54,7 @@ def dot(a: Vector, b: Vector) -> float:
 def carried(vessel: Record, scheme: Record, state: Record, p: float, rise: float) -> float:
     """Return the load [N] on a place ``p`` [m] below the ground.
 
-    The place leaves the ground at ``rise`` [m/s]. The load is negative where the ground holds the hull.
+    The place rises at ``rise`` [m/s]. The load is negative where the ground holds the hull.
     """
     mass = state[0].weight / vessel[0].g + vessel[0].m33
     normal = STIFFNESS / SOUNDINGS * mass * (STIFFNESS * p - 2.0 * DAMPING * rise)
