@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, outputs, show
 from trainer.cli.options import options_given
 from trainer.cli.shared_options import CSV, HTML, PDF, SEA, VESSEL, together
@@ -199,7 +200,7 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
     from trainer.identify.nomoto import is_nomoto  # noqa: PLC0415
     from trainer.identify.ships import ship_file  # noqa: PLC0415
 
-    path = Path(vessel)
+    path = ships.path_of(vessel)
     known = path.suffix == ".toml" and (is_nomoto(path), ship_file.is_ship(path))
     if not known or not any(known):
         return page.fly_boat(load_vessel(vessel), name, options)

@@ -10,7 +10,7 @@ from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, outputs, show, show_step, tell, write_text
 from trainer.cli.options import options_given
 from trainer.cli.shared_options import CSV, FILE, HTML, SEA, TOML, VESSEL, VESSEL_HELP, together
-from trainer.cli.types import Deeper, File
+from trainer.cli.types import Deeper, File, Name
 
 if TYPE_CHECKING:
     from trainer.identify.pages.results import Identified
@@ -147,7 +147,7 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
 
     require_library("scipy", "trainer prbs")
     if ships.is_ship(vessel):
-        ships.design_trials(Path(vessel), {**options, "write": write})
+        ships.design_trials(ships.path_of(vessel), {**options, "write": write})
         return
     options["speed"] = _only_speed(vessel, options.pop("speeds"))
     from trainer.identify.pages import experiment as page  # noqa: PLC0415
@@ -267,7 +267,7 @@ model_options = together(
 
 
 of_ships = together(
-    click.option("--ship", type=TOML, default=None, help="Dimensions, for linear to mmg."),
+    click.option("--ship", type=Name("ships"), default=None, help="For linear to mmg, its file."),
     strength_option,
     click.option(
         "--predict", type=RECORD, multiple=True, help="A record held back, may be repeated."

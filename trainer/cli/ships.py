@@ -20,11 +20,18 @@ FOR_BOATS: Final = (  # options of experiments that ships do not know
 )
 
 
+def path_of(vessel: str) -> Path:
+    """Return the path of a vessel's file; that of a shipped ship by its name."""
+    from trainer.config.files import shipped, shipped_names  # noqa: PLC0415
+
+    return shipped("ships", vessel) if vessel in shipped_names("ships") else Path(vessel)
+
+
 def is_ship(vessel: str) -> bool:
     """Return whether a vessel is the file of a ship that is not linear."""
     from trainer.identify.ships import ship_file  # noqa: PLC0415
 
-    path = Path(vessel)
+    path = path_of(vessel)
     return path.suffix == ".toml" and path.is_file() and ship_file.is_ship(path)
 
 
@@ -54,10 +61,13 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
         known = ", ".join(MODELS)
         raise click.UsageError(f"{', '.join(unknown)}: not with the models {known}")
     from trainer.boat import compilation  # noqa: PLC0415
+    from trainer.config.files import path_named  # noqa: PLC0415
     from trainer.identify.ships import page  # noqa: PLC0415
     from trainer.identify.ships.results import carry_out  # noqa: PLC0415
     from trainer.identify.ships.ship_file import ship_text  # noqa: PLC0415
 
+    if options["ship"] is not None:
+        options = {**options, "ship": path_named(options["ship"], "ships")}
     with compilation.announced(FITS, tell, "ships", "identify/kernels"):
         found = carry_out(files, options, show_step)
     if options["write_ship"]:

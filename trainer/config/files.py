@@ -30,6 +30,7 @@ OWN: Final = {  # what one of a kind is called, and an example of the user's own
     "exercises": ("exercise", "./drill.toml"),
     "hulls": ("hull", "./hull.toml"),
     "seas": ("sea", "./storm.toml"),
+    "ships": ("ship", "./ship.toml"),
     "studies": ("study", "./study.toml"),
     "vessels": ("vessel", "./boat.toml"),
 }

@@ -9,7 +9,7 @@ import numpy as np
 
 from trainer.analysis.report.plots import Panel, Screen, draw, figure_of
 from trainer.config.extras import require_library
-from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.files import ConfigError, nearest, path_named, quote
 from trainer.core.kernel import Numbers
 from trainer.identify import fitting
 from trainer.identify.measurements import CHANNELS, Record
@@ -178,7 +178,7 @@ def _fit_manoeuvring(
     strength = given["prior_strength"]
     if not 0.0 <= strength <= STRONGEST:
         raise ConfigError(f"prior_strength = {strength:g}: must be 0 to {STRONGEST:g}")
-    ship = load_ship(Path(given["ship"]))
+    ship = load_ship(path_named(str(given["ship"]), "ships"))
     sign = sign or ship.records.positive_rudder
     ship = replace(ship, records=replace(ship.records, positive_rudder=sign))
     one = isinstance(frame, str | Path) or hasattr(frame, "keys")

@@ -148,13 +148,16 @@ def _regression(problem: Problem) -> Numbers:
             for (states, _), trial in zip(smoothed, problem.trials, strict=True)
         ]
     )
-    target = np.vstack([rates for _, rates in smoothed])
+    target = np.vstack([rates for _, rates in smoothed]) * (1.0, 1.0, length)
+    model = problem.model
+    for (axis, row), factor in zip(
+        model.terms, model.whole(dict.fromkeys(model.free, 0.0)), strict=False
+    ):
+        target[:, axis] -= factor * terms[:, row]
     values = {name: float(x) for name, x in zip(NONLINEAR, rudder, strict=True)}
     for axis, letter in enumerate(AXES):
-        values |= _solve_axis(
-            problem, letter, terms, target[:, axis] * (length if axis == 2 else 1)
-        )
-    return np.array([values[name] for name in problem.model.free])
+        values |= _solve_axis(problem, letter, terms, target[:, axis])
+    return np.array([values[name] for name in model.free])
 
 
 def _solve_axis(problem: Problem, letter: str, terms: Numbers, target: Numbers) -> dict[str, float]:

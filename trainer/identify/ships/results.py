@@ -13,7 +13,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.residuals import LAGS, correlation, portmanteau, ratio_test
 from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, tabulated
 from trainer.identify.ships.likelihood import NOISES, Problem
-from trainer.identify.ships.models import FIXED, NONLINEAR, model_of, prior_of
+from trainer.identify.ships.models import FIXED, NONLINEAR, Model, model_for, prior_of
 from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
 from trainer.identify.ships.ship_file import Result, ShipFile, load_ship
 from trainer.units import KNOT
@@ -154,7 +154,7 @@ def fit_trials(
     ``options`` are those of ``trainer identify``.
     """
     trials = tuple(_between(trial, options["begin"], options["end"]) for trial in trials)
-    model = model_of(options["model"], wind=any(trial.windy for trial in trials))
+    model = model_for(ship, options["model"], wind=any(trial.windy for trial in trials))
     prior, source = prior_of(model, ship)
     strength = float(options["prior_strength"])
     problem, begin = pose(model, ship.constants, trials, prior, strength)
@@ -395,6 +395,13 @@ def _test_without(fitted: Fit, names: tuple[str, ...]) -> OrderTest:
     return OrderTest(names, test.statistic, test.freedom[0], test.probability)
 
 
+def _held(model: Model) -> Iterator[str]:
+    """Yield which coefficients are held at what the ship's file gives."""
+    if model.held:
+        told = ", ".join(f"{name} {value:.4g}" for name, value in model.held.items())
+        yield f"held, by the ship's file: {told}"
+
+
 def _report(
     ship: ShipFile, fitted: Fit, prior: tuple[str, float], held: tuple[Trial, ...]
 ) -> Report:
@@ -413,7 +420,7 @@ def _report(
         length_m=length,
         prior=prior[0],
         prior_strength=prior[1],
-        findings=tuple(notes_of(trials)),
+        findings=(*notes_of(trials), *_held(problem.model)),
         settled=fitted.settled,
         steps=fitted.found.steps,
         promise=fitted.found.promise,

@@ -14,7 +14,7 @@ from trainer.analysis.report.text import INDENT, cut, table, wrap
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.ships.fit import Fit, expect, problem_of
-from trainer.identify.ships.models import GYRATION, model_of, prior_of
+from trainer.identify.ships.models import GYRATION, model_for, prior_of
 from trainer.identify.ships.page import in_words
 from trainer.identify.ships.records import SHORTEST, Trial, with_steps
 from trainer.identify.ships.results import BOOK, Coefficient, Untold, coefficients_of, untold
@@ -197,7 +197,7 @@ def _expected(
     if ship.result is None:
         raise ConfigError(f"{ship.path.name}: lacks [result]")
     trials = [flown_trial(ship, flight, every, _outputs(options)) for flight in flights]
-    model = model_of(ship.result.model, wind=False)
+    model = model_for(ship, ship.result.model, wind=False)
     prior, _ = prior_of(model, ship)
     problem = problem_of(model, ship.constants, trials, prior, options["prior_strength"])
     noise = _noise(ship, ship.result.speed_kn * KNOT, options)
