@@ -130,9 +130,9 @@ def _add(table: Numbers, p: tuple[int, float], q: tuple[int, float], out: int) -
 
 @lean
 def run_steps(table: Numbers, steps: Steps, first: int) -> None:
-    """Write the row of each step (kind, two rows) from row ``first`` on, as far as there are rows.
+    """Write the row of each step (kind, two rows), from row ``first`` on.
 
-    Variables and constants come before.
+    Variables and constants come before. A table of fewer rows ends the steps.
     """
     out = first
     for k in range(min(steps.shape[0], table.shape[0] - first)):

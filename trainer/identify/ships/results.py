@@ -97,6 +97,7 @@ class Report:
     prior_strength: float
     findings: tuple[str, ...]
     settled: bool
+    doubt: str  # why it did not settle, "" if it did
     steps: int
     promise: float
     cost: float  # -log L with the prior
@@ -294,6 +295,8 @@ def untold(fitted: Fit) -> tuple[Untold, ...]:
     """Return the combinations of coefficients that the records tell least, first states out."""
     problem = fitted.problem
     p = len(problem.model.free)
+    if not np.isfinite(fitted.information).all():
+        return ()
     H = _marginal(fitted.information, p)
     unit = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
     sizes, vectors = np.linalg.eigh(H * np.outer(unit, unit))
@@ -395,6 +398,16 @@ def _test_without(fitted: Fit, names: tuple[str, ...]) -> OrderTest:
     return OrderTest(names, test.statistic, test.freedom[0], test.probability)
 
 
+def _doubt(fitted: Fit) -> str:
+    """Return why a fit did not settle, "" if it did."""
+    promise = fitted.found.promise
+    if fitted.settled:
+        return ""
+    if not math.isfinite(promise):
+        return "where the search ended the likelihood has no slope: nothing is known of intervals"
+    return f"a further step promises {promise:.2g}: intervals do not hold"
+
+
 def _held(model: Model) -> Iterator[str]:
     """Yield which coefficients are held at what the ship's file gives."""
     if model.held:
@@ -422,6 +435,7 @@ def _report(
         prior_strength=prior[1],
         findings=(*notes_of(trials), *_held(problem.model)),
         settled=fitted.settled,
+        doubt=_doubt(fitted),
         steps=fitted.found.steps,
         promise=fitted.found.promise,
         cost=fitted.found.cost,
