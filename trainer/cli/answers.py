@@ -45,7 +45,7 @@ def outputs(command: Any) -> Any:
 
 
 def json_of(value: Any) -> str:
-    """Return a value as JSON; a number that is infinite or none is null."""
+    """Return a value as JSON; an infinite number, or none, is null."""
     from trainer.config.files import json_text  # noqa: PLC0415
 
     return json_text(value, indent=1)

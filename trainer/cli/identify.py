@@ -80,7 +80,9 @@ strength_option = click.option(
 sequence_options = together(
     click.option("--amplitude", type=POSITIVE, default=5.0, show_default=True, help="Degrees."),
     click.option("--bits", type=click.IntRange(2, 12), default=None, help="Of the register."),
-    click.option("--hold", type=POSITIVE, default=None, help="Seconds of a bit. [default: T1/3]"),
+    click.option(
+        "--hold", type=POSITIVE, default=None, help="Seconds of a bit. [default: T1/3; L/U]"
+    ),
     click.option("--periods", type=click.IntRange(1, 50), default=1, show_default=True),
     click.option("--seed", type=click.IntRange(1, 4095), default=1, show_default=True),
     click.option(
@@ -133,7 +135,8 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     """Design a rudder experiment and say what it will tell.
 
     VESSEL is a name or the path of a vessel file, or the file of a ship that is not linear. Such a
-    ship sails zig-zags; several speeds are tried one by one and together in the same time.
+    ship sails a zig-zag, a binary sequence, or both; these, and several speeds, are tried one by
+    one and together in the same time.
 
     \b
     Example:  trainer prbs bb2 --amplitude 3 --sea sea-state-3 --write trial.toml
@@ -141,6 +144,7 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
               trainer identify trial.trainer --model 1 --vessel bb2
               trainer prbs bb2 --zigzag 10/10
               trainer prbs ship.toml --zigzag 20/20 --speed 15 --speed 15/8
+              trainer prbs ship.toml --zigzag 20/20 --amplitude 20
     """
     from trainer.config.extras import require_library  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415

@@ -16,8 +16,9 @@ FOR_OTHERS: Final = (  # options that these models do not know
     *("simulate", "data_only", "bech", "spiral", "joint", "matrices", "csv", "system", "reject"),
 )
 FOR_BOATS: Final = (  # options of experiments that ships do not know
-    *("depth", "amplitude", "bits", "hold", "periods", "seed", "by", "sea", "write"),
+    *("depth", "periods", "by", "sea", "write"),
 )
+OF_SEQUENCES: Final = ("bits", "hold", "seed")  # options that need an amplitude
 
 
 def path_of(vessel: str) -> Path:
@@ -41,8 +42,15 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
     unknown = [f"--{option}" for option in FOR_BOATS if option in given]
     if unknown:
         raise click.UsageError(f"{', '.join(unknown)}: not with a ship, {path.name}")
-    if options["zigzag"] is None:
-        raise click.UsageError(f"{path.name} is a ship: say its --zigzag, such as 20/20")
+    if "amplitude" not in given:
+        options = {**options, "amplitude": None}
+        if lone := [f"--{option}" for option in OF_SEQUENCES if option in given]:
+            raise click.UsageError(f"{', '.join(lone)}: of a sequence: say its --amplitude")
+    if options["zigzag"] is None and options["amplitude"] is None:
+        raise click.UsageError(
+            f"{path.name} is a ship: say its --zigzag, such as 20/20, or the --amplitude of a "
+            "binary sequence"
+        )
     from trainer.boat import compilation  # noqa: PLC0415
     from trainer.identify.ships import trials  # noqa: PLC0415
     from trainer.identify.ships.ship_file import load_ship  # noqa: PLC0415

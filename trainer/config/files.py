@@ -337,7 +337,7 @@ def _line_of(problem: str, lines: Mapping[tuple[str, str], int], head: str) -> i
 
 
 def json_text(value: Any, indent: int | None = None) -> str:
-    """Return a value as JSON, in which a number that is infinite or none is null."""
+    """Return a value as JSON; an infinite number, or none, is null."""
     return json.dumps(_numbers_alone(value), indent=indent, allow_nan=False)
 
 

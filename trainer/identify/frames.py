@@ -1,4 +1,4 @@
-"""Arrays by channel as a record: what a caller of ``fit`` hands over in place of a file."""
+"""Arrays by channel become a record, in the place of a file."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any, cast

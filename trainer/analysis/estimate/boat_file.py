@@ -448,7 +448,7 @@ def stable_steps(file: VesselFile) -> list[float]:
 
 
 def roll_frequency(file: VesselFile) -> float:
-    """Return the frequency [rad/s] of the free roll at rest, 0 of a boat that capsizes."""
+    """Return the frequency [rad/s] of the free roll at rest; 0: it capsizes."""
     hull = file.hull
     righting = hull.weight * hull.cg[2] - hull.buoyancy * hull.cb[2]
     water = 0.5 * file.fluid.rho * hull.length**5 * file.coefficients["K_pdot"]

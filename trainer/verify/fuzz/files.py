@@ -291,7 +291,7 @@ def ship(text: str, path: Path) -> None:
 
 
 def hull(path: Path) -> None:
-    """Read a hull and estimate its boat: what is accepted has numbers that a vessel may have."""
+    """Read a hull and estimate its boat, whose numbers a vessel may have."""
     made = estimate_of(load_drawing(str(path)))
     if not np.isfinite([*made.values.values(), *made.sd.values()]).all():
         raise AssertionError("a coefficient or its deviation is no number")
