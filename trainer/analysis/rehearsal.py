@@ -16,10 +16,12 @@ from trainer.boat.boat import Boat
 from trainer.boat.depths import collapse_of
 from trainer.boat.helm import obey
 from trainer.boat.reference_crew import Given, Reaction, ReferenceCrew
+from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.reference_crew import Crew
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.queries import Journalled, Moment
+from trainer.session.history import WorldOrders
 from trainer.session.layout import LAYOUT, read_state
 from trainer.session.plan import Plan
 
@@ -46,6 +48,7 @@ class Departure:
     moment: Moment
     layout: tuple[str, ...]  # of its state
     given: Mapping[int, float]  # [s] rules of the reference crew that were carried out before
+    to_world: WorldOrders = ()  # orders before it
 
 
 def fly(
@@ -63,11 +66,12 @@ def fly(
     first, place = (since.moment.tick, since.moment.place) if since else (0, 0)
     if since is not None:
         boat.restore(read_state(since.moment.state, since.layout, boat.records.state))
+        boat.world.settle(since.to_world)
     journal, numbers = Journal(boat), boat.records.state.view(np.float64)
     aboard = None if crew is None else ReferenceCrew(boat, crew, reaction)
     if aboard is not None and since is not None:
         aboard.take_over(since.given)
-    rows, lost = [numbers[PLACED]], ""
+    rows, lost, watch = [numbers[PLACED]], "", EncounterMonitor.over(boat)
     with np.errstate(all="ignore"):
         for tick in range(first, last_tick(plan)):
             while place < len(plan.schedule) and due(plan, place) <= tick:
@@ -76,7 +80,7 @@ def fly(
             if aboard is not None:
                 journal.note(aboard.look())
             status = boat.tick()
-            lost = boat.failure(status) if status else collapse_of(boat)
+            lost = boat.failure(status) if status else collapse_of(boat) or watch.ended_by(boat)
             if not status:
                 rows.append(numbers[PLACED])
             if lost:

@@ -8,10 +8,12 @@ from typing import Any
 
 from trainer.config import casualties, hull, sea, vessel
 from trainer.config.coefficients import AXES, COEFFICIENT, EQUATION_SETS, FACTOR
+from trainer.config.current import current_schema
 from trainer.config.exercise import CASUALTIES, ORDERS, Heading, Initial, Limits
 from trainer.config.reference_crew import RULES, Helmsman, Planesman
 from trainer.config.schema import described, file_schema, object_schema, record_schema
 from trainer.config.score_rules import SCORES
+from trainer.config.world import SCHEMAS
 from trainer.core.terms import COEFFICIENTS, EXTRA_TERMS
 
 
@@ -66,7 +68,8 @@ def sea_table_schema() -> dict[str, Any]:
 def sea_schema() -> dict[str, Any]:
     """Return the JSON Schema of a sea file."""
     keys = {name: described(kind) for name, kind in sea.HEADING.items()}
-    return file_schema("sea", {**keys, "sea": sea_table_schema()}, ("sea",))
+    tables = {"sea": sea_table_schema(), "current": current_schema()}
+    return file_schema("sea", {**keys, **tables}, ("sea",))
 
 
 def exercise_keys() -> dict[str, dict[str, Any]]:
@@ -79,6 +82,7 @@ def exercise_keys() -> dict[str, dict[str, Any]]:
         **{name: record_schema(record, ("note",)) for name, record in tables.items()},
         **{name: described(kind) for name, kind in rows.items()},
         "sea": {"anyOf": [{"type": "string"}, sea_table_schema()]},
+        **{name: schema() for name, schema in SCHEMAS.items()},
     }
 
 

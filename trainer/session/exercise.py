@@ -17,9 +17,9 @@ from typing import Final
 
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import scale_of
-from trainer.boat.limits import deep, showing
-from trainer.config.condition import QUANTITIES, Condition
-from trainer.config.exercise import Loss
+from trainer.boat.limits import deep, over_ground, showing
+from trainer.config.condition import QUANTITIES, Condition, Loss
+from trainer.config.files import ConfigError
 
 PATIENCE: Final = 20.0  # [s] at the end, for marks and pages
 TURNED_OVER: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
@@ -93,6 +93,8 @@ def quantity_of(boat: Boat, name: str) -> float:
         return boat.plain[PLACES["psi"]] % math.tau
     if name == "heavy":
         return (boat.plain[PLACES["weight"]] - float(boat.vessel.buoyancy)) / float(boat.vessel.g)
+    if name == "speed_over_ground":
+        return over_ground(boat.state)
     factor = scale_of(boat, name)
     return boat.plain[PLACES[QUANTITIES[name].place]] / factor if factor else math.nan
 
@@ -187,3 +189,16 @@ class Work:
         for thread in self.threads:
             thread.join(max(end - time.monotonic(), 0.0))
         self.settle()
+
+
+def problem_with(load: Callable[[str], object]) -> Callable[[str], str]:
+    """Return what says why an exercise cannot be loaded, "" when it can."""
+
+    def problem(name: str) -> str:
+        try:
+            load(name)
+        except ConfigError as error:
+            return str(error)
+        return ""
+
+    return problem

@@ -15,6 +15,7 @@ from trainer.session.nmea import fields as tell
 from trainer.session.nmea.fields import DILUTION, SATELLITES
 from trainer.session.nmea.position import Chart
 from trainer.session.nmea.readings import WIDEST, Readings, sight
+from trainer.session.nmea.transponders import Transponders
 from trainer.session.stations.view import Frame
 
 TALKER: Final = "IN"
@@ -31,6 +32,7 @@ class Instrument:
     fields: tuple[str, ...]
     source: str
     read: Callable[[Readings], tuple[str, ...]]
+    asked: bool = False  # sent only where it is named
 
     @property
     def name(self) -> str:
@@ -118,6 +120,25 @@ INSTRUMENTS: Final = (
         ("heading [deg true]", "T", "-", "M", "speed [kn]", "N", "speed [km/h]", "K"),
         GAUGES,
         tell.water_speed,
+    ),
+    Instrument(
+        "INVDR",
+        "current, where it goes to",
+        ("set [deg true]", "T", "-", "M", "drift [kn]", "N"),
+        TRUE,
+        tell.current,
+        asked=True,
+    ),
+    Instrument(
+        "INVBW",
+        "speeds through the water and over the ground",
+        (
+            *("ahead through the water [kn]", "across, to starboard positive [kn]", "A"),
+            *("ahead over the ground [kn]", "across [kn]", "A", "-", "V", "-", "V"),
+        ),
+        f"ahead through the water {GAUGES}, the rest true",
+        tell.ways,
+        asked=True,
     ),
     Instrument(
         "INRSA",
@@ -229,6 +250,7 @@ INSTRUMENTS: Final = (
     ),
 )
 NAMES: Final = tuple(dict.fromkeys(instrument.name for instrument in INSTRUMENTS))
+USUAL: Final = tuple(dict.fromkeys(each.name for each in INSTRUMENTS if not each.asked))
 
 
 def choose_instruments(names: Iterable[str]) -> tuple[Instrument, ...]:
@@ -245,16 +267,23 @@ def widest(instruments: Iterable[Instrument]) -> int:
 class InstrumentSet:
     """A display of frames: one set of sentences for each."""
 
-    def __init__(self, instruments: tuple[Instrument, ...], chart: Chart, start: datetime) -> None:
-        """Show those instruments of a session that began at ``start``, UTC."""
-        self._instruments = instruments
+    def __init__(
+        self,
+        instruments: tuple[Instrument, ...],
+        chart: Chart,
+        start: datetime,
+        receiver: Transponders | None = None,
+    ) -> None:
+        """Show those instruments of a session that began at ``start``, UTC; ``receiver`` is AIS."""
+        self._instruments, self._receiver = instruments, receiver
         self._chart = chart
         self._start = start
 
     def lines(self, frame: Frame) -> list[str]:
-        """Return the set of one tick."""
+        """Return the set of one tick, and what ships have sent since the last."""
         seen = sight(frame, self._chart, self._start)
-        return [instrument.sentence(seen) for instrument in self._instruments]
+        told = [instrument.sentence(seen) for instrument in self._instruments]
+        return told + self._receiver.lines(frame) if self._receiver else told
 
 
 class Sampled:
