@@ -1,6 +1,7 @@
 """The command trainer estimate: what it writes sails, and what is wrong is told in one line."""
 
 import json
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
