@@ -26,7 +26,7 @@ from trainer.boat.world.tracks import (
     turn,
     unreached,
 )
-from trainer.config.contacts import MOST, NAMED, TYPES, Contact, Encounters, ShipType
+from trainer.config.contacts import MOST, NAMED, RESERVED, TYPES, Contact, Encounters, ShipType
 from trainer.config.files import ConfigError, collecting, nearest
 from trainer.config.world import WorldTables
 from trainer.core.kernel import Numbers
@@ -218,7 +218,7 @@ def _seen(ship: Ship, row: Sequence[float]) -> Seen:
 
 def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> str:
     """Return why no such ship can be added, "" if it can."""
-    if not NAMED.fullmatch(name):
+    if not NAMED.fullmatch(name) or name in RESERVED:
         return f"{name}: a name has at most 16 letters, digits and hyphens"
     if name in ships:
         return f"there is a contact {name} already"
