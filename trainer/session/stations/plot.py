@@ -84,7 +84,7 @@ CONTACTS: Final = Channel(
     f"the nearest {MOST} ships, by range: true bearing, closest approach and the time until then, "
     "below zero where it is past",
     (
-        Field("ships", "-", 0, lambda frame: float(plotted(frame)[0])),
+        Field("ships", "-", 0, lambda frame: float(plotted(frame)[0]) or None),
         *(field for place in range(MOST) for field in ship_fields(place)),
     ),
 )
