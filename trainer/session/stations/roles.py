@@ -97,7 +97,13 @@ def _role(name: str, title: str, *channels: str) -> Role:
 
 
 PANELS: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
-TRUTH: Final = ("motion", "sea", "casualties", "ledger")  # what only the instructor sees
+TRUTH: Final = (
+    "motion",
+    "sea",
+    "casualties",
+    "contacts",
+    "ledger",
+)  # what only the instructor sees
 
 INSTRUCTOR: Final = Role(
     "instructor",

@@ -35,7 +35,9 @@ export class TrackChart extends Chart {
     /** @type {(Ship & { place: Place })[]} */
     const ships = (more.ships ?? []).map((ship) => ({ ...ship, place: placeOf(last ?? [0, 0], ship) }));
     const near = ships.filter(({ range }) => range < FAR).map(({ place }) => place);
-    const map = mapOf(area, [...(places.length ? places : [[0, 0]]), ...near]);
+    /** @type {Place[]} */
+    const flown = places.length ? places : [[0, 0]];
+    const map = mapOf(area, [...flown, ...near]);
     grid(map);
     for (const ship of ships) mark(map, ship);
     if (last) {
