@@ -123,9 +123,9 @@ BOAT_TOPICS = (
     Topic(("hover", "compressor"), "hover on | compressor on", "keep depth stopped; charge air"),
     Topic(("sea",), "sea state 5 | wind 30 | calm", "also height 3 m, from 045"),
     Topic(
-        ("casualty", "clear", "casualties"),
+        ("casualty", "clear", "casualties", "contact"),
         "casualty NAME | clear all",
-        "also NAME 0.5 ramp 30; casualties",
+        "also NAME 0.5 ramp 30; contact TUG ...",
     ),
     Topic(("freeze", "run", "step"), "freeze | run | step 10", "stop time, let it go on, 10 ticks"),
     Topic(("status",), "status", "everything about the boat, once"),
