@@ -66,6 +66,7 @@ NUMBERS = {
     "ALERT": Number("the number of an alert", (PLAIN,), 1.0, 999999.0, decimals=0),
     "DEGREE": Number("a sea state", (PLAIN,), 0.0, 8.0, decimals=0),
     "WIND": Number("a wind", (KNOTS, METRES_PER_SECOND), 0.0, 100.0),
+    "DRIFT": Number("a drift", (KNOTS, METRES_PER_SECOND), 0.0, 10.0),
     "HEIGHT": Number("a significant height", (METRES, FEET), 0.0, 25.0),
     "NORTH": Number("metres north of the origin, south negative", (PLACE,), *FAR, decimals=1),
     "EAST": Number("metres east of the origin, west negative", (PLACE,), *FAR, decimals=1),
