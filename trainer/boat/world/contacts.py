@@ -1,4 +1,4 @@
-"""The ships near: where each is at a tick, what the instructor changes, and what can be seen.
+"""The ships near: where each is, what the instructor changes, what is seen.
 
 Where they are follows from the exercise, the orders with their ticks, and the tick alone. So a
 replay has them where they were, and a tick of the past has them as they were then.
@@ -40,7 +40,7 @@ NOWHERE: Final = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Seen:
-    """One ship at a tick, in SI and radians; place over the ground, from the start's origin."""
+    """One ship at a tick, in SI and radians. Its place is from the start's origin."""
 
     name: str
     type: str
@@ -152,7 +152,7 @@ class Contacts:
         return tuple(_seen(ship, row) for ship, row in zip(fleet.order, rows, strict=True))
 
     def obey(self, order: Order, tick: int) -> Reply:
-        """Take an order from a tick on; return what now holds, or why it was refused."""
+        """Take an order from a tick on; return the answer."""
         doing = order.word.partition("_")[0]
         ships = dict(self.fleet(tick).ships)
         if doing == "add":
@@ -265,7 +265,7 @@ def steered_of(contact: Contact, step: float) -> Steered:
 
 
 def way_of(contact: Contact) -> Way:
-    """Return the way of a ship; ConfigError on a leg too short, or a speed not reached on it."""
+    """Return the way of a ship. ConfigError on a leg too short, for its turns or its speed."""
     row, place = contact.row, contact.place
     course, path = contact.course, [Stretch(0.0, math.inf, contact.speeds[0])]
     if len(row.points) > 1:

@@ -24,7 +24,7 @@ FINE: Final = 4.0  # [-] substeps in the shortest time constant
 
 
 class Course(NamedTuple):
-    """Place, course, speed and rate of turn [SI], what that rate does, and the rudder [rad]."""
+    """Place, course, speed, rate of turn with its own rate, and rudder, all SI."""
 
     north: float
     east: float
