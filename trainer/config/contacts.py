@@ -229,7 +229,7 @@ class Contact:
 
 @dataclass(frozen=True, kw_only=True)
 class Encounters:
-    """What is made of ships that come near."""
+    """The rules for ships that come near."""
 
     cpa_m: float = usual(
         500.0,

@@ -1,4 +1,4 @@
-"""A ship in a few numbers: the file of an identified Nomoto model, read and written."""
+"""The file of an identified Nomoto ship, read and written."""
 
 from dataclasses import dataclass, fields
 from pathlib import Path

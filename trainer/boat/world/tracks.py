@@ -194,7 +194,7 @@ def unreached(way: Way) -> int | None:
 
 
 def rest_of(way: Way, time: float) -> tuple[Piece, list[Stretch]]:
-    """Return where a ship is at a time [s], as a piece, and the rest of its path."""
+    """Return a ship's place at a time [s] as a piece, and its further path."""
     piece = way.at(time)
     there = situation(column(piece), time)
     now = piece._replace(

@@ -17,7 +17,7 @@ MOST: Final = 8  # ships plotted; there may be more
 
 
 class Plotted(NamedTuple):
-    """One ship as it bears from the boat [SI]; times are NaN where there is none."""
+    """One ship as it bears from the boat [SI]. Times may be NaN."""
 
     name: str
     type: str
