@@ -12,8 +12,12 @@ import pytest
 from helpers.crewed import Crewed, crewed
 from helpers.places import environment
 
+from trainer.analysis.debrief.encounters import meet
+from trainer.analysis.rehearsal import fly
 from trainer.boat.world.contacts import contacts_in
 from trainer.config.world import WorldTables, read_world
+from trainer.session.options import RunOptions
+from trainer.session.plan import plan_run
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
@@ -179,6 +183,19 @@ def test_the_instructor_is_sent_the_nearest_ships(crewed: Callable[..., Crewed])
     assert float(shown["contact_2_tcpa"]) == pytest.approx(395.0 / 5.144, abs=1.0)
     assert float(shown["contact_1_tcpa"]) < 0.0
     assert shown["contact_3"] == ""
+
+
+def test_a_rehearsal_ends_with_the_collision_that_loses_it(tmp_path: Path) -> None:
+    head = 'schema = "exercise/1"\nname = "Wall"\nbriefing = "A wall."\nduration_s = 300\n'
+    path = tmp_path / "wall.toml"
+    path.write_text(head + "[initial]\nspeed_kn = 10\ndepth_m = 17.5\n" + WALL.format(what="end"))
+    flown = fly(plan_run(RunOptions(exercise=str(path))))
+    assert flown.lost == "collision with wall"
+    met = meet(flown.trajectory)
+    assert [name for _, name in met.collisions] == ["wall"]
+    assert met.nearest.min() == pytest.approx(met.closest["wall"][0])
+    # its side is 16 m ahead of its middle, the boat's bow 32 m ahead of its origin
+    assert met.closest["wall"][0] == pytest.approx(48.0, abs=6.0)
 
 
 CROSSED = """
