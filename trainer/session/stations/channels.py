@@ -20,6 +20,7 @@ from trainer.session.stations.panels import (
     metres,
     word,
 )
+from trainer.session.stations.plot import CONTACTS
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
@@ -167,6 +168,7 @@ INSTRUCTOR: Final = (
         "what is broken: kind, amount in SI units now and in the end, and the time until then",
         tuple(field for slot in range(CASUALTIES) for field in slot_fields(slot)),
     ),
+    CONTACTS,
     Channel(
         "ledger",
         "what became of the ticks",
