@@ -200,7 +200,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
 
 
 def refuse_world(recording: Recording, boat: Boat, name: str) -> None:
-    """Raise ConfigError if what is around the boat acted on her: a page has none of it."""
+    """Raise ConfigError if a world acted on the boat: a page has none."""
     for branch in recording.branches():
         boat.world.settle(world_orders(recording, branch.id, branch.after))
         own = recording.orders(branch.id, branch.after)

@@ -173,7 +173,7 @@ class Boat:
         return self._in_its_world if self.world.acts else self.advance
 
     def meet_world(self) -> None:
-        """Take the world as it is, before the first tick: so that the first picture has it."""
+        """Take the world before the first tick, so that the first picture has it."""
         if not self.world.acts:
             return
         self.world.write(self.state)

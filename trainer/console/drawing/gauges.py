@@ -184,7 +184,7 @@ def sea(model: SessionModel) -> Line:
 
 
 def over_ground(model: SessionModel) -> str:
-    """Return set and drift, and the way over the ground [kn], in words; "" in still water."""
+    """Return set, drift [kn] and way over the ground, "" in still water."""
     picture = model.picture
     towards, way = (picture.number("current", name) for name in ("set", "course_over_ground"))
     if towards is None:
