@@ -1,4 +1,4 @@
-"""The current around a boat is uniform, by depth or a tide, until another is ordered.
+"""The current around a boat: uniform, by depth or a tide, until an order.
 
 It is water over ground, told by where it goes to. At a depth z it is written as the line of the
 rows above and below, ``water + shear z``; above the first row and below the last it is theirs.

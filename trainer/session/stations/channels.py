@@ -59,7 +59,7 @@ def way_made(frame: Frame) -> tuple[float, float]:
 
 
 def set_and_drift(frame: Frame) -> tuple[float | None, float]:
-    """Return set [deg] and drift [kn] of the water at the boat; still water has no set."""
+    """Return set [deg] and drift [kn] at the boat, no set in still water."""
     north = frame["water_north"] + frame["shear_north"] * frame["z"]
     east = frame["water_east"] + frame["shear_east"] * frame["z"]
     drift = math.hypot(north, east) / KNOT
