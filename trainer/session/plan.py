@@ -11,16 +11,17 @@ from trainer.boat.assemble import Method
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
+from trainer.boat.world.encounters import refuse_touching
 from trainer.boat.world.world import world_of
 from trainer.config.baseline import Baseline, kept_baseline
 from trainer.config.casualties import Casualty, load_casualties
+from trainer.config.condition import Loss
 from trainer.config.exercise import (
     UNSCHEDULED,
     Armed,
     Exercise,
     Initial,
     Limits,
-    Loss,
     load_exercise,
 )
 from trainer.config.files import ConfigError, read_text
@@ -109,6 +110,7 @@ class Plan:
         boat.start(speed * KNOT, depth, course, self.seed)
         boat.put_to_sea(self.sea)
         boat.world = world_of(boat, {**self.sea.world, **self.world})
+        refuse_touching(boat)
         self._put_out_of_trim(boat)
         boat.casualties = self.casualties
         for entry in self.armed:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, Protocol
 
+from trainer.boat.world.contacts import contacts_of
 from trainer.boat.world.current import make_current
 from trainer.config.world import WorldTables
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -69,7 +70,10 @@ class World:
 
 
 # by the name of a part's order: from the boat and the tables of the exercise to the part
-PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {"current": make_current}
+PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {
+    "contact": contacts_of,
+    "current": make_current,
+}
 
 
 def world_of(boat: Any, tables: WorldTables) -> World:

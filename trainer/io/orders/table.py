@@ -81,10 +81,12 @@ SETS = {
     "SPACE": "forward|centre=center|aft",
     "PART": "depth|position|tanks",
     "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer|visitor",
+    "SHIP": "tanker|cargo|ferry|fishing|yacht|tug",
     "AXIS": "rudder|planes|speed|ballast",
 }
 NAMES = {
     "NAME": Name("the name of a casualty"),
+    "SHIP_NAME": Name("the name of a contact"),
     "LABEL": Name("a name for a moment"),
     "CALLED": Name("a name for a station"),
     "CHANNEL": Name("the name of a channel"),
@@ -236,6 +238,11 @@ FORMS = (
     Form("sea height HEIGHT", "raise a sea of this significant height"),
     Form("sea from COURSE", "turn the sea, to come from there"),
     Form("sea calm", "let the sea go down"),
+    Form("contact add SHIP_NAME SHIP at NORTH EAST course COURSE speed SPEED", "add a ship"),
+    Form("contact SHIP_NAME course COURSE", "turn it to a course, the shorter way round"),
+    Form("contact SHIP_NAME speed SPEED", "its speed over the ground, on the way it has"),
+    Form("contact SHIP_NAME move NORTH EAST", "put it elsewhere; it goes straight on"),
+    Form("contact SHIP_NAME remove", "take it away"),
     Form("current set COURSE drift DRIFT", "let the water go that way, towards it, so fast"),
     Form("current off", "let it stand still over the ground"),
     Form("casualty NAME", "as severe and sudden as its table says"),
@@ -337,7 +344,8 @@ BOAT_ORDERS = frozenset(
         ),
         *("planes", "lever", "autopilot", "periscope", "surface", "dive", "blow", "emergency"),
         *("vent", "negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
-        *("sea", "current", "casualty", "clear", "hold", "release", "order", "course-to"),
+        *("sea", "current", "contact"),
+        *("casualty", "clear", "hold", "release", "order", "course-to"),
     )
 )
 # What is said between those who order the crew, the crew and the instructor: journalled as well.
