@@ -9,11 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from trainer.analysis.boat_page import boat_of
 from trainer.analysis.debrief.measures import rows_beyond
 from trainer.analysis.rehearsal import Departure, fly
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.boat.limits import LimitMonitor, chased
+from trainer.cli.boat import Boat as Ship
 from trainer.cli.export import boat_at_start
 from trainer.config.condition import compile_conditions
 from trainer.config.exercise import Limits, parse_exercise
@@ -203,6 +205,25 @@ def test_who_takes_over_finds_the_current_as_it_was_ordered(plan: Plan) -> None:
         assert np.array_equal(column[40:], taken.columns[name]), name
     forgotten = fly(plan, since=replace(since, to_world=())).trajectory
     assert not np.array_equal(forgotten.columns["x"], taken.columns["x"])
+
+
+@pytest.mark.parametrize(
+    ("exercise", "order", "what"),
+    [
+        ("[current]\nset_deg = 90\ndrift_kn = 1\n", "rudder left 5", r"\[current\]"),
+        ("", "current set 090 drift 1", "current set 090 drift 1 kn"),
+    ],
+)
+def test_a_page_refuses_a_recording_in_which_the_water_moved(
+    exercise: str, order: str, what: str, tmp_path: Path
+) -> None:
+    own, path = tmp_path / "adrift.toml", tmp_path / "adrift.trainer"
+    head = 'schema = "exercise/1"\nname = "Adrift"\nbriefing = "A current."\nduration_s = 5\n'
+    own.write_text(f'{head}{exercise}[[orders]]\nat_s = 1\norder = "{order}"\n')
+    with Ship(exercise=str(own), record=str(path)) as ship:
+        ship.run(5)
+    with pytest.raises(ConfigError, match=f"adrift.trainer: has a world around the boat, {what}"):
+        boat_of(path)
 
 
 def test_an_exported_boat_refuses_a_sea_that_moves(tmp_path: Path) -> None:
