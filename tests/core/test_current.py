@@ -120,7 +120,8 @@ def over_ground(heel: float, pitch: float, heading: float) -> np.ndarray:
     roll = np.array([[1.0, 0.0, 0.0], [0.0, a, -d], [0.0, d, a]])
     lift = np.array([[b, 0.0, e], [0.0, 1.0, 0.0], [-e, 0.0, b]])
     turn = np.array([[c, -f, 0.0], [f, c, 0.0], [0.0, 0.0, 1.0]])
-    return turn @ lift @ roll
+    whole: np.ndarray = turn @ lift @ roll
+    return whole
 
 
 def dived(make_boat: Make, by_hand: Callable[[Boat], None], step: float) -> float:

@@ -102,6 +102,9 @@ def test_an_order_takes_the_place_of_table_and_tide_in_a_straight_ramp() -> None
     middle = [(a + b) / 2.0 for a, b in zip(was, wanted, strict=True)]
     assert part.at(1060, DEEP) == pytest.approx(middle, abs=1e-12)
     assert part.at(1120, DEEP) == part.at(9000, 0.0) == pytest.approx(wanted, abs=1e-12)
+    before = part.at(9000, DEEP)
+    part.obey(order("current off"), 9000)
+    assert part.at(9000, DEEP) == before  # it begins from what was ordered
 
 
 def test_off_leaves_water_that_stands_still_to_the_last_bit() -> None:
@@ -128,6 +131,7 @@ def test_orders_told_again_after_a_jump_make_the_same_bits_as_those_lived_throug
             again.obey(before, then)
         for later in (0, 7, 60, 119, 120, 500):
             assert again.at(tick + later, DEEP) == lived.at(tick + later, DEEP)
+        assert lived.at(tick + 120, DEEP) == lived.changes[-1].line  # no trace of the tide
     assert len(lived.changes) < 15  # what has come about whole hides what was before
 
 
