@@ -121,8 +121,7 @@ class CurrentAround:
 
     def write(self, state: Any) -> None:
         """Write the current at the boat's depth for the tick that comes."""
-        tick, depth = int(state.tick), float(state.z)
-        state.current[:] = self.at(tick, depth)
+        state["current"][:] = self.at(int(state["tick"]), float(state["z"]))
 
     def at(self, tick: int, depth: float) -> Line:
         """Return the current of a tick as the line at a depth [m]."""
