@@ -100,7 +100,8 @@ def _role(name: str, title: str, *channels: str) -> Role:
 
 
 PANELS: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
-TRUTH: Final = ("motion", "sea", "current", "casualties", "ledger")  # what only the instructor sees
+# what only the instructor sees
+TRUTH: Final = ("motion", "sea", "current", "casualties", "contacts", "ledger")
 
 INSTRUCTOR: Final = Role(
     "instructor",
