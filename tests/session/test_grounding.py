@@ -82,7 +82,7 @@ def test_touching_again_is_news_after_half_a_minute(
     boat.start(1.0, 60.0, 0.0)
     put_on(boat, ground(depth_m=100))
     monitor = GroundMonitor(boat)
-    told = []
+    told: list[object] = []
     for aground in (2.0, 0.0, 2.0):
         for _ in range(round(seconds / boat.method.step)):
             boat.state.aground = aground
