@@ -7,9 +7,10 @@ which is ``configs/...`` for a shipped file wherever it lies, and for others the
 """
 
 import json
+import math
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
@@ -30,6 +31,7 @@ OWN: Final = {  # what one of a kind is called, and an example of the user's own
     "exercises": ("exercise", "./drill.toml"),
     "hulls": ("hull", "./hull.toml"),
     "seas": ("sea", "./storm.toml"),
+    "ships": ("ship", "./ship.toml"),
     "studies": ("study", "./study.toml"),
     "vessels": ("vessel", "./boat.toml"),
 }
@@ -216,9 +218,14 @@ def _shipped_folder(kind: str) -> Path:
 
 def read_text(path: Path) -> str:
     """Return the text of a file; ConfigError if it is no readable, small UTF-8 text."""
+    return read_kept(path, _text_on_disk)
+
+
+def read_kept(path: Path, read: Callable[[Path], str]) -> str:
+    """Return the text that ``read`` makes of a file, remembered, or the recorded one."""
     key, texts = key_of(path), _recorded.get()
     if texts is None:
-        text = _text_on_disk(path)
+        text = read(path)
     else:
         key = key if key in texts else _shipped_key(path, texts)
         text = texts[key]
@@ -332,6 +339,20 @@ def _line_of(problem: str, lines: Mapping[tuple[str, str], int], head: str) -> i
     table, key = (told["table"] or "", told["key"] or "") if told else ("", "")
     number = lines.get((table, key)) or lines.get((table, "")) or lines.get((key, ""))
     return number or lines.get((f"{key}[0]", "")) or 0
+
+
+def json_text(value: Any, indent: int | None = None) -> str:
+    """Return a value as JSON; an infinite number, or none, is null."""
+    return json.dumps(_numbers_alone(value), indent=indent, allow_nan=False)
+
+
+def _numbers_alone(value: Any) -> Any:
+    """Return a value with None for each number within it that JSON has no word for."""
+    if isinstance(value, dict):
+        return {key: _numbers_alone(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_numbers_alone(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def no_constant(name: str) -> NoReturn:
