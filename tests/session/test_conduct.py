@@ -26,9 +26,13 @@ def test_what_loses_a_shipped_exercise_is_watched(crewed: Callable[..., Crewed],
     boat = crewed().boat
     ending = Ending.of(boat, exercise.lost, exercise.heading.duration_s)
     assert ending.watched
+    boat.state.z = 30.0
     assert not ending.look(boat)
-    boat.state.z = 400.0 if any("depth" in each.text for each in exercise.lost) else -2.0
-    looked = [ending.look(boat) for _ in range(20)]
+    down = ("depth", "clearance")
+    boat.state.z = 400.0 if any(each.text.startswith(down) for each in exercise.lost) else -2.0
+    boat.state.bottom[0] = 100.0
+    lasts = max((each.seconds for each in exercise.lost), default=0.0)
+    looked = [ending.look(boat) for _ in range(20 + round(lasts / boat.method.step))]
     assert any(looked) is bool(exercise.lost)
 
 

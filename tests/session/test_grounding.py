@@ -74,6 +74,23 @@ def test_a_boat_that_sinks_onto_the_ground_is_aground_once(make_boat: MakeBoat) 
     assert "into sand, way 0.0 kn, load" in told
 
 
+@pytest.mark.parametrize(("seconds", "news"), [(10.0, 0), (40.0, 1)])
+def test_touching_again_is_news_after_half_a_minute(
+    make_boat: MakeBoat, seconds: float, news: int
+) -> None:
+    boat = make_boat()
+    boat.start(1.0, 60.0, 0.0)
+    put_on(boat, ground(depth_m=100))
+    monitor = GroundMonitor(boat)
+    told: list[object] = []
+    for aground in (2.0, 0.0, 2.0):
+        for _ in range(round(seconds / boat.method.step)):
+            boat.state.aground = aground
+            boat.state.tick += 1.0
+            told += monitor.look()
+    assert len(told) == 1 + news
+
+
 def test_a_fast_one_is_hard_aground(make_boat: MakeBoat) -> None:
     boat = make_boat()
     sinking(boat, 2.0, 0.8)
