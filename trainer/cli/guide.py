@@ -196,8 +196,8 @@ def _page_of(report: "Report") -> "Callable[[Any], str]":
 def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Flight]":
     """Return report and flight of a boat, or of a ship that was identified."""
     from trainer.analysis.manoeuvres import page  # noqa: PLC0415
+    from trainer.config.nomoto import is_nomoto  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
-    from trainer.identify.nomoto import is_nomoto  # noqa: PLC0415
     from trainer.identify.ships import ship_file  # noqa: PLC0415
 
     path = ships.path_of(vessel)

@@ -186,8 +186,8 @@ def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
 
     The speed is the vessel's own unless it is given; that of a Nomoto ship is in its file.
     """
+    from trainer.config.nomoto import is_nomoto  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
-    from trainer.identify.nomoto import is_nomoto  # noqa: PLC0415
     from trainer.identify.pages import steering as page  # noqa: PLC0415
 
     path = Path(vessel)

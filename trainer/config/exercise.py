@@ -103,7 +103,7 @@ class Initial:
     depth_m: float | None = optional(Quantity("m", within(0, 12000), "depth"))
     course_deg: float | None = optional(Quantity("deg", within(0, 360), "course"))
     heavy_t: float | None = optional(
-        Quantity("t", within(-100, 100), "too heavy by so much; no tank shows it")
+        Quantity("t", within(-100, 100), "too heavy, no tank shows it")
     )
     forward_t: float | None = optional(
         Quantity("t", within(-100, 100), "as much weight forward as belongs aft; no tank shows it")
@@ -148,12 +148,11 @@ class Limits:
     heel_deg_max: float | None = optional(Quantity("deg", within(0, 90), "heel either way"))
     speed_kn_max: float | None = optional(Quantity("kn", within(-60, 60), "fastest"))
     speed_kn_min: float | None = optional(Quantity("kn", within(-60, 60), "slowest"))
-    speed_over_ground_kn_max: float | None = optional(
-        Quantity("kn", within(0, 60), "fastest over the ground")
-    )
+    speed_over_ground_kn_max: float | None = optional(Quantity("kn", within(0, 60), "over ground"))
     validity_level_max: float | None = optional(
         Quantity("-", within(0, 2), "of the equations: 0 inside their range, 1 extrapolated")
     )
+    clearance_m_min: float | None = optional(Quantity("m", within(0, 1000), "water under the keel"))
     cpa_m_min: float | None = optional(
         Quantity("m", within(0, 20_000), "nearest to any ship, from middle to middle")
     )

@@ -495,5 +495,5 @@ class Session:
         """Let the present moment be seen, and how time runs from here on."""
         now, time = self.history.now(), self.time
         replaying = self.history.rerun is not None
-        self._pace = Pace(time.frozen, time.speed, now.branch, replaying, self.crew.told)
+        self._pace = Pace(time.frozen, time.speed, now.branch, replaying, self.crew.told, now.after)
         self.sending.offer(now.tick, now.state, self._pace)

@@ -28,6 +28,7 @@ TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {
     "distance": measures.distance,
     "closest-approach": measures.closest_approach,
     "broaches": measures.broaches,
+    "aground": measures.aground,
     "beyond-limits": measures.beyond_limits,
     "beyond-test-depth": measures.beyond_test_depth,
     "time-beyond-test-depth": measures.time_beyond_test_depth,

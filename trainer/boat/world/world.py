@@ -1,4 +1,4 @@
-"""The world of one run: its parts, each of which writes a few numbers into the state.
+"""The world of one run has parts, which write a few numbers into the state.
 
 It is written before each tick, and is a pure function of the exercise, of the orders given to it
 with their ticks, and of the state. So whoever flies the same orders again gets the same numbers.
@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, Protocol
 
+from trainer.boat.world.bottom import ground_of
 from trainer.boat.world.contacts import contacts_of
 from trainer.boat.world.current import make_current
 from trainer.config.world import WorldTables
@@ -22,7 +23,7 @@ class Part(Protocol):
         """Return whether there is anything to write; only orders change it."""
 
     def obey(self, order: Order, tick: int) -> Reply:
-        """Take an order from a tick on; return what now holds, or why it was refused.
+        """Take an order from a tick on; return what holds, or a refusal.
 
         What it means follows from its words and the tick alone.
         """
@@ -53,7 +54,7 @@ class World:
                 part.write(state)
 
     def obey(self, order: Order, tick: int) -> Reply:
-        """Have a part obey an order of its own."""
+        """Give a part an order of its own; return its answer."""
         part = self.parts.get(order.name)
         answer = part.obey(order, tick) if part else Refused(f"there is no {order.name} here")
         self.changed()
@@ -71,11 +72,12 @@ class World:
 
 # by the name of a part's order: from the boat and the tables of the exercise to the part
 PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {
+    "bottom": ground_of,
     "contact": contacts_of,
     "current": make_current,
 }
 
 
 def world_of(boat: Any, tables: WorldTables) -> World:
-    """Return the world of an exercise around a boat; ConfigError on what this boat cannot have."""
+    """Return an exercise's world around a boat; ConfigError on what it cannot have."""
     return World({name: make(boat, tables) for name, make in PARTS.items()})

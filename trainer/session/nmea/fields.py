@@ -41,13 +41,12 @@ def way(s: Readings) -> tuple[str, ...]:
     return (number(s.track, 2), "T", "", "M", *speed, "E")
 
 
-def depth(s: Readings) -> tuple[str, ...]:
-    """Return the fields of DBT; above the surface there is no depth."""
-    metres = max(s.depth, 0.0)
+def depth(metres: float | None) -> tuple[str, ...]:
+    """Return the fields of DBT; without an echo they are empty."""
     return (
-        *(number(metres / FOOT, 1), "f"),
+        *(number(None if metres is None else metres / FOOT, 1), "f"),
         *(number(metres, 2), "M"),
-        *(number(metres / FATHOM, 1), "F"),
+        *(number(None if metres is None else metres / FATHOM, 1), "F"),
     )
 
 
@@ -63,7 +62,7 @@ def current(s: Readings) -> tuple[str, ...]:
 
 
 def ways(s: Readings) -> tuple[str, ...]:
-    """Return the fields of VBW; speeds of the stern, which it tells of too, are not there."""
+    """Return the fields of VBW, without those of the stern."""
     water = number(s.speed, 2), number(s.across, 2), "A"
     ground = number(s.ahead_over_ground, 2), number(s.across_over_ground, 2), "A"
     return (*water, *ground, "", "V", "", "V")

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from trainer.boat.casualties import describe
+from trainer.boat.world.bottom import height_of_keel
 from trainer.core.casualties import KINDS
 from trainer.core.sea.sea import DIRECTION, HEIGHT, OMEGA
 from trainer.core.state import CASUALTIES
@@ -20,6 +21,7 @@ from trainer.session.stations.panels import (
     metres,
     word,
 )
+from trainer.session.stations.plot import CONTACTS
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
@@ -34,6 +36,12 @@ def heavy(frame: Frame) -> Value:
     return (frame["weight"] - frame.fittings.buoyancy) / frame.fittings.g / TONNE
 
 
+def clearance(frame: Frame) -> Value:
+    """Return the least height [m] of the keel over the ground, where there is one."""
+    found = height_of_keel(frame.numbers, frame.fittings.length, frame.fittings.keel)
+    return None if math.isinf(found) else found
+
+
 def water_over_sail(frame: Frame) -> Value:
     """Return the water [m] over the sail's top. It is negative out of the sea."""
     x, z = frame.fittings.sail
@@ -46,7 +54,7 @@ SLOWEST: Final = 0.005  # [kn] that is not written as zero
 
 
 def way_over_ground(frame: Frame) -> tuple[float, float]:
-    """Return the velocity north and east [m/s] over the ground, none while the place is held."""
+    """Return the way [m/s] north and east, none while the place is held."""
     return (0.0, 0.0) if frame["held_position"] else (frame["xdot"], frame["ydot"])
 
 
@@ -59,7 +67,7 @@ def way_made(frame: Frame) -> tuple[float, float]:
 
 
 def set_and_drift(frame: Frame) -> tuple[float | None, float]:
-    """Return where the water at the boat goes to [deg], None where it stands, and drift [kn]."""
+    """Return set [deg] and drift [kn] at the boat, no set in still water."""
     north = frame["water_north"] + frame["shear_north"] * frame["z"]
     east = frame["water_east"] + frame["shear_east"] * frame["z"]
     drift = math.hypot(north, east) / KNOT
@@ -139,6 +147,7 @@ INSTRUCTOR: Final = (
             Field("north_rate", "m/s", 2, unless("held_position", "xdot")),
             Field("east_rate", "m/s", 2, unless("held_position", "ydot")),
             Field("heavy", "t", 1, heavy),
+            Field("clearance", "m", 1, clearance),
         ),
     ),
     Channel(
@@ -167,6 +176,7 @@ INSTRUCTOR: Final = (
         "what is broken: kind, amount in SI units now and in the end, and the time until then",
         tuple(field for slot in range(CASUALTIES) for field in slot_fields(slot)),
     ),
+    CONTACTS,
     Channel(
         "ledger",
         "what became of the ticks",

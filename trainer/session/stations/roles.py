@@ -70,7 +70,10 @@ KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "marks": ("the marks of an exercise, once they are released", EVERYBODY),
     "watch": ("a limit passed, the surface broken, an order carried out the wrong way", ()),
     "pilot": ("what the autopilot gives up and has again; what an X-tail does not give", EVERYBODY),
-    "depth": ("test depth near, passed and beyond; the collapse of the hull", EVERYBODY),
+    "depth": (
+        "test depth near, passed and beyond; the hull's collapse; the ground",
+        EVERYBODY,
+    ),
     "refused": ("an order outside a role, a wrong token, a line that is no order", ()),
     "trouble": ("late ticks, a port or the recording in trouble", ()),
 }
@@ -97,7 +100,8 @@ def _role(name: str, title: str, *channels: str) -> Role:
 
 
 PANELS: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
-TRUTH: Final = ("motion", "sea", "current", "casualties", "ledger")  # what only the instructor sees
+# what only the instructor sees
+TRUTH: Final = ("motion", "sea", "current", "casualties", "contacts", "ledger")
 
 INSTRUCTOR: Final = Role(
     "instructor",

@@ -22,12 +22,12 @@ from trainer.config.casualties import parse_casualties
 from trainer.config.condition import compile_condition
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError, Place, read_text
+from trainer.config.nomoto import load_nomoto
 from trainer.config.sea import parse_sea
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core.kernel import Record
 from trainer.identify.decca_study import load_decca, load_readings
 from trainer.identify.estimate import resume
-from trainer.identify.nomoto import load_nomoto
 from trainer.identify.ships.ship_file import parse_ship, ship_text
 from trainer.identify.ships.vehicle import IdentifiedShip
 from trainer.identify.sources import Column, load_record
