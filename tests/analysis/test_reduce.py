@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -361,8 +362,36 @@ def searched(
             yield standing
 
 
-def test_a_search_drops_what_nothing_needs_and_says_why_the_rest_stays(slim: VesselFile) -> None:
-    *_, last = searched(slim)
+class Ended(NamedTuple):
+    """The end of a search, and how many candidates it has flown."""
+
+    standing: Standing
+    flown: int
+
+
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory: pytest.TempPathFactory) -> tuple[Ended, Ended]:
+    """Return how the usual and the quick search of the boat of few terms end."""
+    path = tmp_path_factory.mktemp("searched") / "slim.toml"
+    path.write_text(SLIM, encoding="utf-8")
+    file, own, flown = load_vessel(str(path)), Crew.differences, [0]
+
+    def counted(self: Crew, several: Sequence[Numbers]) -> list[Numbers]:
+        flown[0] += len(several)
+        return own(self, several)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Crew, "differences", counted)
+        *_, usual = searched(file)
+        before = flown[0]
+        *_, fast = searched(file, quick=True)
+    return Ended(usual, before), Ended(fast, flown[0] - before)
+
+
+def test_a_search_drops_what_nothing_needs_and_says_why_the_rest_stays(
+    slim: VesselFile, ended: tuple[Ended, Ended]
+) -> None:
+    last = ended[0].standing
     terms = Candidate(slim, "modified").terms
     kept = {terms[i] for i in last.kept}
 
@@ -375,26 +404,14 @@ def test_a_search_drops_what_nothing_needs_and_says_why_the_rest_stays(slim: Ves
 
 
 def test_a_quick_search_flies_less_and_ends_in_the_same_limit(
-    slim: VesselFile, monkeypatch: pytest.MonkeyPatch
+    slim: VesselFile, ended: tuple[Ended, Ended]
 ) -> None:
-    flown: list[int] = []
-    own = Crew.differences
+    usual, fast = ended
 
-    def counted(self: Crew, several: Sequence[Numbers]) -> list[Numbers]:
-        flown[-1] += len(several)
-        return own(self, several)
-
-    monkeypatch.setattr(Crew, "differences", counted)
-    ends = []
-    for quick in (False, True):
-        flown.append(0)
-        ends.append(list(searched(slim, quick=quick))[-1])
-    usual, fast = ends
-
-    assert flown[1] < 0.5 * flown[0]
-    assert fast.limit == usual.limit
-    assert len(usual.kept) <= len(fast.kept) < 1.3 * len(usual.kept)
-    assert len(fast.kept) < len(Candidate(slim, "modified").terms)
+    assert fast.flown < 0.5 * usual.flown
+    assert fast.standing.limit == usual.standing.limit
+    assert len(usual.standing.kept) <= len(fast.standing.kept) < 1.3 * len(usual.standing.kept)
+    assert len(fast.standing.kept) < len(Candidate(slim, "modified").terms)
 
 
 def test_the_limit_follows_down_what_fewer_terms_reach(slim: VesselFile) -> None:

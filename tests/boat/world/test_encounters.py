@@ -9,10 +9,12 @@ import pytest
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
+from trainer.boat.world.contacts import Contacts
 from trainer.boat.world.encounters import (
     EncounterMonitor,
     Own,
     closest_approach,
+    passing,
     plot,
 )
 from trainer.boat.world.hulls import OwnHull, Pose, overlap
@@ -108,16 +110,34 @@ def test_an_approach_is_called_once_and_again_when_it_changes(tmp_path: Path) ->
     told = fly(boat, monitor, 30.0)
     assert [each.split(": ")[1] for each in told] == ["CLOSEST APPROACH"]
     assert "ferry" in told[0]
-    assert ordered(boat, "contact ferry course 285") == "contact ferry course 285"
-    assert fly(boat, monitor, 60.0)
+    north, east = (float(each[0]) for each in ships_of(monitor).at(boat.ticks)[:2])
+    assert "move" in ordered(boat, f"contact ferry move {north + 10:.0f} {east:.0f}")
+    assert fly(boat, monitor, 10.0) == []  # it comes as near as before, or nearly
+    assert "move" in ordered(boat, f"contact ferry move {north + 400:.0f} {east:.0f}")
+    assert len(fly(boat, monitor, 10.0)) == 1
+
+
+def ships_of(monitor: EncounterMonitor) -> Contacts:
+    """Return the ships that are watched."""
+    assert monitor.contacts is not None
+    return monitor.contacts
+
+
+def test_the_least_range_of_a_tick_lies_between_its_ends(tmp_path: Path) -> None:
+    """A ship lies 300 m east of the middle of a step of 400 m."""
+    lying = '[[contact]]\nname = "buoy"\ntype = "tug"\npoints = [[0, 300]]\n'
+    contacts = ships_of(EncounterMonitor.over(under_way(tmp_path, lying)))
+    _, least = passing(contacts, 1, (-200.0, 0.0), (200.0, 0.0))
+    assert least[0] == pytest.approx(300.0)
+    _, least = passing(contacts, 1, (100.0, 0.0), (400.0, 0.0))
+    assert least[0] == pytest.approx(math.hypot(100.0, 300.0))
 
 
 def test_the_measured_approach_is_the_least_distance_between_ticks_too(tmp_path: Path) -> None:
     boat = under_way(tmp_path, CROSSING)
     monitor = EncounterMonitor.over(boat)
     fine = math.inf
-    contacts = monitor.contacts
-    assert contacts is not None
+    contacts = ships_of(monitor)
     before = float(boat.state.x)
     for tick in range(600):
         assert boat.tick() == 0

@@ -9,7 +9,15 @@ import pytest
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.world.hulls import Pose
-from trainer.boat.world.ship_force import NEAREST, Passing, Pull, acceleration, faded
+from trainer.boat.world.ship_force import (
+    NEAREST,
+    PLACES,
+    WEIGHTS,
+    Passing,
+    Pull,
+    acceleration,
+    faded,
+)
 from trainer.boat.world.world import World
 from trainer.config.contacts import TYPES
 from trainer.config.vessel import load_vessel
@@ -72,6 +80,22 @@ def test_a_ship_on_the_other_side_pulls_the_other_way(boat: Boat) -> None:
     left = pull.whole(pose, (TANKER, 30.0, -80.0, 0.0, SPEED))
     assert right * np.array((1, -1, 1, 1, 1, -1)) == pytest.approx(left, rel=1e-12)
     assert abs(right[1]) > 1e4
+
+
+def test_moments_are_those_of_the_forces_along_the_axis(boat: Boat) -> None:
+    """Each station's force, by the water's acceleration there, at its arm: r x F."""
+    pull, pose = Pull(boat), Pose(0.0, 0.0, 20.0, 0.0, 0.0, 0.0)
+    ship: Passing = (TANKER, 40.0, 70.0, 0.2, SPEED)
+    arms = np.stack([PLACES * boat.file.hull.length, *[np.zeros(PLACES.size)] * 2], axis=1)
+    c = boat.vessel
+    masses = [c.buoyancy / c.g - c[name] for name in ("X_udot", "Y_vdot", "Z_wdot")]
+    points = arms + np.array((0.0, 0.0, 20.0))
+    forces = WEIGHTS[:, None] * acceleration(ship, points) * np.array(masses, float)
+    found = pull.whole(pose, ship)
+    assert found[:3] == pytest.approx(forces.sum(axis=0), rel=1e-9)
+    assert found[3:] == pytest.approx(np.cross(arms, forces).sum(axis=0), rel=1e-9)
+    assert abs(found[4]) > 1e5
+    assert abs(found[5]) > 1e5
 
 
 def test_only_the_relative_place_matters(boat: Boat) -> None:
