@@ -4,10 +4,14 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from trainer.config.contacts import read_contacts, read_encounters
 from trainer.config.files import ConfigError, Place, collecting
 
 # by the name of the table: from what it holds, its place, and the exercise's path to a record
-READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {}
+READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {
+    "contact": read_contacts,
+    "contacts": read_encounters,
+}
 
 WorldTables = Mapping[str, Any]  # records, by the names of their tables
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, Protocol
 
+from trainer.boat.world.contacts import contacts_of
 from trainer.config.world import WorldTables
 from trainer.io.orders.grammar import Order, Refused, Reply
 
@@ -64,7 +65,9 @@ class World:
 
 
 # by the name of a part's order: from the boat and the tables of the exercise to the part
-PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {}
+PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {
+    "contact": contacts_of,
+}
 
 
 def world_of(boat: Any, tables: WorldTables) -> World:

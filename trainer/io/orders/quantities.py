@@ -49,6 +49,8 @@ SECONDS = Unit("s", ("s", "seconds", "second", "sec"), 1.0)
 MINUTES = Unit("min", ("min", "minutes", "minute", "mins"), MINUTE)
 HERTZ = Unit("hz", ("hz",), 1.0)
 PLAIN = Unit("", (), 1.0)
+PLACE = Unit("", METRES.names, 1.0)
+FAR = -200_000.0, 200_000.0  # [m] from the origin
 
 NUMBERS = {
     "DEPTH": Number("a depth", (METRES, FEET), 0.0, 2000.0),
@@ -65,6 +67,8 @@ NUMBERS = {
     "DEGREE": Number("a sea state", (PLAIN,), 0.0, 8.0, decimals=0),
     "WIND": Number("a wind", (KNOTS, METRES_PER_SECOND), 0.0, 100.0),
     "HEIGHT": Number("a significant height", (METRES, FEET), 0.0, 25.0),
+    "NORTH": Number("metres north of the origin, south negative", (PLACE,), *FAR, decimals=1),
+    "EAST": Number("metres east of the origin, west negative", (PLACE,), *FAR, decimals=1),
     "AMOUNT": Number("an amount of water", (TONNES,), 0.0, 1000.0),
     "SEVERITY": Number("a severity after a name like stern-stuck", (PLAIN,), -1000.0, 1000.0),
     "SECONDS": Number("a time", (SECONDS,), 0.0, 3600.0),

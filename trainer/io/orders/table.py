@@ -81,10 +81,12 @@ SETS = {
     "SPACE": "forward|centre=center|aft",
     "PART": "depth|position|tanks",
     "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer|visitor",
+    "SHIP": "tanker|cargo|ferry|fishing|yacht|tug",
     "AXIS": "rudder|planes|speed|ballast",
 }
 NAMES = {
     "NAME": Name("the name of a casualty"),
+    "SHIP_NAME": Name("the name of a contact"),
     "LABEL": Name("a name for a moment"),
     "CALLED": Name("a name for a station"),
     "CHANNEL": Name("the name of a channel"),
@@ -232,6 +234,11 @@ FORMS = (
     Form("sea height HEIGHT", "raise a sea of this significant height"),
     Form("sea from COURSE", "turn the sea, to come from there"),
     Form("sea calm", "let the sea go down"),
+    Form("contact add SHIP_NAME SHIP at NORTH EAST course COURSE speed SPEED", "add a ship"),
+    Form("contact SHIP_NAME course COURSE", "turn it to a course, the shorter way round"),
+    Form("contact SHIP_NAME speed SPEED", "its speed over the ground, on the way it has"),
+    Form("contact SHIP_NAME move NORTH EAST", "put it elsewhere; it goes straight on"),
+    Form("contact SHIP_NAME remove", "take it away"),
     Form("casualty NAME", "as severe and sudden as its table says"),
     Form("casualty NAME SEVERITY", "as severe as this"),
     Form("casualty NAME ramp SECONDS", "growing over this time"),
@@ -331,7 +338,7 @@ BOAT_ORDERS = frozenset(
         ),
         *("planes", "lever", "autopilot", "periscope", "surface", "dive", "blow", "emergency"),
         *("vent", "negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
-        *("sea", "casualty", "clear", "hold", "release", "order", "course-to"),
+        *("sea", "casualty", "clear", "hold", "release", "order", "course-to", "contact"),
     )
 )
 # What is said between those who order the crew, the crew and the instructor: journalled as well.

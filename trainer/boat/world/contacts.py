@@ -1,0 +1,270 @@
+"""The ships near: where each is at a tick, what the instructor changes, and what can be seen.
+
+Where they are follows from the exercise, the orders with their ticks, and the tick alone. So a
+replay has them where they were, and a tick of the past has them as they were then.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.boat.world.lights import Light, lights_of
+from trainer.boat.world.tracks import (
+    Piece,
+    Situation,
+    Stretch,
+    Way,
+    lay,
+    path_along,
+    rest_of,
+    situation,
+    turn,
+    unreached,
+)
+from trainer.config.contacts import MOST, NAMED, TYPES, Contact, Encounters, ShipType
+from trainer.config.files import ConfigError, nearest
+from trainer.config.world import WorldTables
+from trainer.core.kernel import Numbers
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.units import KNOT
+
+ON: Final = (Stretch(0.0, math.inf),)  # straight on for ever
+NOWHERE: Final = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One ship at a tick, in SI and radians; place over the ground, from the start's origin."""
+
+    name: str
+    type: str
+    status: str
+    north: float
+    east: float
+    course: float  # and heading: ships make no leeway
+    speed: float
+    turning: float  # [rad/s] to starboard positive
+    length: float
+    beam: float
+    draught: float
+    height: float  # of hull and house over the water
+    mast: float  # of the masthead over the water
+    lights: tuple[Light, ...]
+    mmsi: int | None
+
+
+@dataclass(frozen=True)
+class Ship:
+    """One ship and its way."""
+
+    name: str
+    kind: str
+    status: str
+    mmsi: int | None
+    way: Way
+
+    @property
+    def type(self) -> ShipType:
+        """Return its kind."""
+        return TYPES[self.kind]
+
+    def lies(self, now: Piece) -> bool:
+        """Return whether it lies still, and is to."""
+        return now.speed == 0.0 and self.way.path[-1].speed in (None, 0.0)
+
+
+class Fleet:
+    """All ships from one order to the next. Never altered, so any thread may ask."""
+
+    def __init__(self, ships: Mapping[str, Ship]) -> None:
+        """Hold ships by their names."""
+        self.ships = dict(ships)
+        self.order = tuple(self.ships.values())
+        self._latest: tuple[float, float, Numbers] = math.inf, -math.inf, np.empty((10, 0))
+
+    def at(self, time: float) -> Situation:
+        """Return where all are at a time [s], in one pass."""
+        begins, ends, pieces = self._latest
+        if not begins <= time < ends:
+            begins, ends, pieces = self._latest = self._pieces(time)
+        return situation(pieces, time)
+
+    def _pieces(self, time: float) -> tuple[float, float, Numbers]:
+        """Return from when to when no ship's piece changes, and the pieces."""
+        found = [ship.way.at(time) for ship in self.order]
+        if not found:
+            return -math.inf, math.inf, np.empty((10, 0))
+        begun = [piece.begins for piece in found if piece.begins <= time]
+        ends = min(piece.ends for piece in found)
+        return max(begun, default=-math.inf), ends, np.array(found).T.copy()
+
+
+class Contacts:
+    """The part of the world that the ships near are."""
+
+    def __init__(self, boat: Any, ships: Sequence[Contact], encounters: Encounters) -> None:
+        """Have the ships of an exercise; ConfigError on a way that none can go."""
+        self.encounters = encounters
+        self.step = float(boat.method.step)
+        self._first = Fleet({each.row.name: _ship_of(each) for each in ships})
+        self._fleets: tuple[tuple[int, Fleet], ...] = ((0, self._first),)
+
+    @property
+    def acts(self) -> bool:
+        """Return whether ships pull at the boat."""
+        return False
+
+    def fleet(self, tick: int) -> Fleet:
+        """Return the ships that there are at a tick."""
+        for begins, fleet in reversed(self._fleets):
+            if begins <= tick:
+                return fleet
+        return self._first
+
+    def at(self, tick: int) -> Situation:
+        """Return where they are at a tick, in the order of the fleet."""
+        return self.fleet(tick).at(tick * self.step)
+
+    def seen(self, tick: int) -> tuple[Seen, ...]:
+        """Return every ship at a tick, to be looked at."""
+        fleet = self.fleet(tick)
+        there = fleet.at(tick * self.step)
+        rows = zip(*(column.tolist() for column in there), strict=True)
+        return tuple(_seen(ship, row) for ship, row in zip(fleet.order, rows, strict=True))
+
+    def obey(self, order: Order, tick: int) -> Reply:
+        """Take an order from a tick on; return what now holds, or why it was refused."""
+        doing = order.word.partition("_")[0]
+        ships = dict(self.fleet(tick).ships)
+        if doing == "add":
+            return self._add(order, tick, ships)
+        ship = ships.get(order.subject)
+        if ship is None:
+            known = nearest(order.subject, ships) or f"; there are: {', '.join(ships) or 'none'}"
+            return Refused(f"no contact {order.subject}{known}")
+        if doing == "remove":
+            del ships[ship.name]
+            return self._change(tick, ships, f"contact {ship.name} is gone")
+        if doing == "speed" and order.value > ship.type.fastest + 1e-9:
+            return Refused(f"a {ship.kind} makes {ship.type.fastest_kn:g} kn")
+        ships[ship.name] = CHANGES[doing](ship, order, tick * self.step)
+        return self._change(tick, ships, f"{order.text}")
+
+    def forget(self) -> None:
+        """Be as the exercise has it, without any order."""
+        self._fleets = ((0, self._first),)
+
+    def write(self, state: Any) -> None:
+        """Write the pull of the ships near for the tick that comes."""
+
+    def _change(self, tick: int, ships: dict[str, Ship], reply: str) -> str:
+        self._fleets = (*self._fleets, (tick, Fleet(ships)))
+        return reply
+
+    def _add(self, order: Order, tick: int, ships: dict[str, Ship]) -> Reply:
+        """Add a ship that keeps a course and speed."""
+        name, kind = order.subject, order.word.split("_")[1]
+        north, east, course, speed = order.numbers
+        if why := _unfit(name, kind, speed, ships):
+            return Refused(why)
+        start = NOWHERE._replace(north=north, east=east, course=course, speed=speed)
+        status = "at anchor" if speed == 0.0 else TYPES[kind].status
+        way = lay(tick * self.step, start, ON)
+        ships[name] = Ship(name, kind, status, None, way)
+        return self._change(tick, ships, order.text)
+
+
+def contacts_of(boat: Any, tables: WorldTables) -> Contacts:
+    """Return the ships near a boat; ConfigError with all ways that none can go."""
+    return Contacts(boat, tables.get("contact", ()), tables.get("contacts", Encounters()))
+
+
+def _seen(ship: Ship, row: Sequence[float]) -> Seen:
+    """Return a ship as it is looked at, by its numbers in the order of a situation."""
+    kind = ship.type
+    north, east, course, speed, turning = row
+    return Seen(
+        *(ship.name, ship.kind, ship.status),
+        *(north, east, course % math.tau, speed, turning),
+        *(kind.length, kind.beam, kind.draught, kind.height, kind.mast),
+        lights=lights_of(ship.kind, ship.status),
+        mmsi=ship.mmsi,
+    )
+
+
+def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> str:
+    """Return why no such ship can be added, "" if it can."""
+    if not NAMED.fullmatch(name):
+        return f"{name}: a name has at most 16 letters, digits and hyphens"
+    if name in ships:
+        return f"there is a contact {name} already"
+    if len(ships) >= MOST:
+        return f"there are {MOST} contacts already"
+    fastest = TYPES[kind]
+    return f"a {kind} makes {fastest.fastest_kn:g} kn" if speed > fastest.fastest + 1e-9 else ""
+
+
+def _ship_of(contact: Contact) -> Ship:
+    """Return a ship of the exercise; ConfigError if its way cannot be gone."""
+    row = contact.row
+    mmsi = None if row.mmsi is None else int(row.mmsi)
+    return Ship(row.name, row.type, contact.status, mmsi, way_of(contact))
+
+
+def way_of(contact: Contact) -> Way:
+    """Return the way of a ship; ConfigError on a leg too short, or a speed not reached on it."""
+    row, place = contact.row, contact.place
+    course, path = contact.course, [Stretch(0.0, math.inf, contact.speeds[0])]
+    if len(row.points) > 1:
+        try:
+            course, path = path_along(row.points, contact.speeds, contact.type.turn)
+        except ValueError as wrong:
+            told = ", ".join(f"[{north:g}, {east:g}]" for north, east in row.points)
+            raise ConfigError(place.problem(f"points = [{told}]: {wrong}")) from None
+    (north, east), late = row.points[0], row.starts_s or 0.0
+    speed = 0.0 if late else contact.speeds[0]
+    start = NOWHERE._replace(north=north, east=east, course=course, speed=speed)
+    way = lay(late, start, path)
+    if len(row.points) > 1 and (leg := unreached(way)) is not None:
+        ordered = (path[leg].speed or 0.0) / KNOT
+        told = f"{ordered:g} kn is not reached on a leg of {path[leg].length:.0f} m between turns"
+        raise ConfigError(place.problem(f"speed_kn = {ordered:g}: {told}"))
+    return way
+
+
+def _on(ship: Ship, start: Piece, path: Sequence[Stretch]) -> Ship:
+    """Return the ship on another way from the beginning of a piece on."""
+    return replace(ship, way=lay(start.begins, start, path))
+
+
+def _course(ship: Ship, order: Order, time: float) -> Ship:
+    """Turn to a course the short way, and keep it. A ship that lies still is turned at once."""
+    now, path = rest_of(ship.way, time)
+    if ship.lies(now):
+        return _on(ship, now._replace(course=order.value), ON)
+    change = math.remainder(order.value - now.course, math.tau)
+    first, *others = [*turn(change, ship.type.turn), Stretch(0.0, math.inf)]
+    return _on(ship, now, [first._replace(speed=path[0].speed), *others])
+
+
+def _speed(ship: Ship, order: Order, time: float) -> Ship:
+    """Go at a speed from now on, the way unchanged."""
+    now, path = rest_of(ship.way, time)
+    path = [each._replace(speed=order.value) for each in path]
+    at_anchor = ship.status == "at anchor" and order.value > 0.0
+    status = ship.type.status if at_anchor else ship.status
+    return _on(replace(ship, status=status), now, path)
+
+
+def _move(ship: Ship, order: Order, time: float) -> Ship:
+    """Be elsewhere at once, and go straight on from there."""
+    now, path = rest_of(ship.way, time)
+    north, east = order.numbers
+    there = now._replace(north=north, east=east)
+    return _on(ship, there, [Stretch(0.0, math.inf, path[0].speed)])
+
+
+CHANGES: Final = {"course": _course, "speed": _speed, "move": _move}

@@ -1,0 +1,289 @@
+"""The ships of an exercise, ``[[contact]]``, what is made of them, ``[contacts]``, and their types.
+
+The types are ships as such traffic has them: sizes of one usual ship of each kind, no ship by name.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.config.files import ConfigError, Place, beside
+from trainer.config.schema import (
+    Choice,
+    Quantity,
+    Rows,
+    Text,
+    list_schema,
+    of,
+    optional,
+    read_record,
+    usual,
+    within,
+)
+from trainer.io.orders.schedule import LATEST
+from trainer.units import KNOT
+
+MOST: Final = 200  # contacts of an exercise
+FURTHEST: Final = 200_000.0  # [m] from the origin
+NAMED: Final = re.compile(r"[a-z][a-z0-9-]{0,15}")  # as an order names it
+RESERVED: Final = ("add",)  # what an order says in a name's place
+ACCELERATION: Final = 0.02  # [m/s^2] of every ship: an estimate
+TURN: Final = 2.5  # [lengths] radius of a turn: half of IMO's largest tactical diameter
+
+
+@dataclass(frozen=True)
+class ShipType:
+    """One kind of ship: sizes [m], block coefficient, fastest [kn], and its number in AIS."""
+
+    length: float
+    beam: float
+    draught: float
+    block: float
+    height: float  # of hull and house over the water
+    mast: float  # of the masthead over the water
+    fastest_kn: float
+    ais: int
+    small: bool = False  # it carries a transponder of class B
+    status: str = "under way"  # as such a ship usually is
+
+    @property
+    def turn(self) -> float:
+        """Return the radius [m] of its turns."""
+        return TURN * self.length
+
+    @property
+    def fastest(self) -> float:
+        """Return its greatest speed [m/s]."""
+        return self.fastest_kn * KNOT
+
+
+TYPES: Final[Mapping[str, ShipType]] = {
+    "tanker": ShipType(200, 32, 11, 0.8, 30, 40, 16, ais=80),
+    "cargo": ShipType(140, 21, 8, 0.7, 26, 34, 20, ais=70),
+    "ferry": ShipType(120, 20, 5.5, 0.58, 24, 32, 24, ais=60),
+    "fishing": ShipType(24, 7, 3, 0.55, 7, 12, 12, ais=30, status="fishing"),
+    "yacht": ShipType(14, 4.2, 2.2, 0.4, 1.5, 18, 9, ais=36, small=True, status="sailing"),
+    "tug": ShipType(32, 11, 5, 0.6, 12, 18, 14, ais=52),
+}
+STATUSES: Final = ("under way", "at anchor", "fishing", "trawling", "sailing", "adrift")
+
+
+@dataclass(frozen=True)
+class Points:
+    """A list of places, each north and east of the origin."""
+
+    meaning: str
+    most: int = 100
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "m", f"1 to {self.most} pairs, {-FURTHEST:.0f} to {FURTHEST:.0f}", self.meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        each = list_schema(within(-FURTHEST, FURTHEST).schema, 2, 2)
+        return list_schema(each, 1, self.most)
+
+    def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, float], ...]:
+        """Return the places; ConfigError naming the first that is wrong."""
+        if not isinstance(value, list) or not 1 <= len(value) <= self.most:
+            told = f"must be a list of 1 to {self.most} pairs [north, east]"
+            raise ConfigError(place.wrong(key, value, told))
+        return tuple(self._pair(f"{key}[{i}]", each, place) for i, each in enumerate(value))
+
+    def _pair(self, key: str, value: object, place: Place) -> tuple[float, float]:
+        if not isinstance(value, list) or len(value) != 2:
+            raise ConfigError(place.wrong(key, value, "must be a pair [north, east]"))
+        number = Quantity("m", within(-FURTHEST, FURTHEST), "")
+        north, east = (number.read(f"{key}[{i}]", each, place) for i, each in enumerate(value))
+        return north, east
+
+
+@dataclass(frozen=True)
+class LegSpeeds:
+    """One number for all legs, or a list with one for each."""
+
+    each: Quantity
+    most: int = 99
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        unit, limits, meaning = self.each.cells
+        return unit, f"{limits}, or a list", meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return {"anyOf": [self.each.schema, list_schema(self.each.schema, 1, self.most)]}
+
+    def read(self, key: str, value: object, place: Place) -> float | tuple[float, ...]:
+        """Return the number or the numbers; ConfigError naming the first that is wrong."""
+        if not isinstance(value, list):
+            return self.each.read(key, value, place)
+        return tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
+
+
+SPEED: Final = Quantity("kn", within(0, 60), "over the ground, or one for each leg; else 0")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactRow:
+    """One ship as it stands in the file."""
+
+    name: str = of(Text(16, "as orders name it: small letters, digits and hyphens"))
+    type: str = of(Choice(tuple(TYPES), "kind of ship: sizes, lights, what AIS calls it"))
+    mmsi: float | None = optional(
+        Quantity("-", within(100_000_000, 999_999_999), "its number in AIS; else it has none")
+    )
+    points: tuple[tuple[float, float], ...] = of(
+        Points("way points, north and east of the start's origin; one: it lies, or keeps a course")
+    )
+    speed_kn: float | tuple[float, ...] | None = optional(LegSpeeds(SPEED))
+    course_deg: float | None = optional(
+        Quantity("deg", within(0, 360), "with one point: how it lies or goes; else north")
+    )
+    starts_s: float | None = optional(
+        Quantity("s", within(0, LATEST), "lies until then; else it has its speed from the start")
+    )
+    status: str | None = optional(
+        Choice(STATUSES, "for lights and AIS; else its type's, at anchor where it lies")
+    )
+    nomoto: str | None = optional(
+        Text(200, "file of an identified ship that steers it; with one point and a course")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """One ship, checked by itself. ``place`` tells where it stands."""
+
+    row: ContactRow
+    place: Place
+    nomoto: Path | None = None
+
+    @property
+    def type(self) -> ShipType:
+        """Return its kind."""
+        return TYPES[self.row.type]
+
+    @property
+    def legs(self) -> int:
+        """Return how many speeds it has: one for each leg."""
+        return max(len(self.row.points) - 1, 1)
+
+    @property
+    def speeds(self) -> tuple[float, ...]:
+        """Return the speed [m/s] on each leg; one for a ship with one point."""
+        given = self.row.speed_kn or 0.0
+        each = given if isinstance(given, tuple) else (given,) * self.legs
+        return tuple(speed * KNOT for speed in each)
+
+    @property
+    def course(self) -> float:
+        """Return the course [rad] of a ship with one point."""
+        return math.radians(self.row.course_deg or 0.0)
+
+    @property
+    def status(self) -> str:
+        """Return what it is doing at the start."""
+        if self.row.status:
+            return self.row.status
+        lies = len(self.row.points) == 1 and not any(self.speeds)
+        return "at anchor" if lies else self.type.status
+
+
+@dataclass(frozen=True, kw_only=True)
+class Encounters:
+    """What is made of ships that come near."""
+
+    cpa_m: float = usual(
+        500.0,
+        Quantity("m", within(1, 20_000), "closest approach below which it is called; else 500"),
+    )
+    warn_s: float = usual(
+        600.0, Quantity("s", within(1, 3600), "called when it is less far ahead; else 600")
+    )
+    collision: str = usual(
+        "freeze", Choice(("freeze", "end", "call"), "what a collision does; else freeze")
+    )
+    force: str = usual(
+        "off",
+        Choice(("off", "on"), "pull of ships near: an estimate within a factor of two; else off"),
+    )
+
+
+CONTACTS: Final = Rows(ContactRow, ("note",), 0, MOST, "ships near, below")
+CONTACT_RECORDS: Final[Mapping[str, type[Any]]] = {"[contact]": ContactRow, "contacts": Encounters}
+
+
+def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...]:
+    """Return the ships of an exercise; ConfigError with all that is wrong in them."""
+    problems: list[str] = []
+    found = []
+    rows = CONTACTS.read("contact", value, Place(place.file, ""))
+    for i, row in enumerate(rows):
+        inside = Place(place.file, f"contact[{i}]")
+        nomoto = Path(beside(path, row.nomoto)) if row.nomoto else None
+        contact = Contact(row=row, place=inside, nomoto=nomoto)
+        problems += _faults(contact)
+        found.append(contact)
+    problems += _twice(found)
+    if problems:
+        raise ConfigError(*problems)
+    return tuple(found)
+
+
+def read_encounters(value: object, place: Place, path: Path) -> Encounters:
+    """Return what is made of ships that come near; ConfigError with all that is wrong."""
+    del path
+    return read_record(Encounters, value, place, ("note",))
+
+
+def _faults(contact: Contact) -> list[str]:
+    """Return what is wrong with one ship by itself."""
+    row, place = contact.row, contact.place
+    found = []
+    if not NAMED.fullmatch(row.name) or row.name in RESERVED:
+        told = "must be small letters, digits and hyphens, a letter first, and not add"
+        found.append(place.wrong("name", row.name, told))
+    if row.mmsi is not None and row.mmsi != int(row.mmsi):
+        found.append(place.wrong("mmsi", row.mmsi, "must be a whole number of nine digits"))
+    if isinstance(row.speed_kn, tuple) and len(row.speed_kn) != contact.legs:
+        found.append(
+            place.wrong("speed_kn", [*row.speed_kn], f"must be one number, or {contact.legs}")
+        )
+    found += [
+        place.wrong("speed_kn", speed, f"a {row.type} makes {contact.type.fastest_kn:g} kn")
+        for speed in dict.fromkeys(speed / KNOT for speed in contact.speeds)
+        if speed > contact.type.fastest_kn + 1e-9
+    ]
+    return found + _misplaced(contact)
+
+
+def _misplaced(contact: Contact) -> list[str]:
+    """Return which keys do not go with the number of way points."""
+    row, place = contact.row, contact.place
+    found = []
+    if row.course_deg is not None and len(row.points) > 1:
+        found.append(place.wrong("course_deg", row.course_deg, "goes with one point alone"))
+    if row.nomoto is not None and len(row.points) > 1:
+        found.append(place.wrong("nomoto", row.nomoto, "goes with one point and course_deg"))
+    return found
+
+
+def _twice(found: list[Contact]) -> list[str]:
+    """Return which names and numbers two ships have."""
+    problems = []
+    for key in ("name", "mmsi"):
+        given = [(getattr(each.row, key), each.place) for each in found]
+        for i, (value, place) in enumerate(given):
+            if value is not None and value in [before for before, _ in given[:i]]:
+                told = int(value) if key == "mmsi" else value
+                problems.append(place.wrong(key, told, "another [[contact]] has it"))
+    return problems
