@@ -5,7 +5,7 @@ earth: N. Bowditch, American Practical Navigator (2019), tables 8 and 12, as a l
 """
 
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from operator import attrgetter
 from typing import Any, Final, NamedTuple, Protocol
@@ -19,7 +19,8 @@ from trainer.units import KNOT
 
 EARTH: Final = 6371e3 / 0.8279  # [m] radius of an earth round which light would be straight
 MINUTE: Final = math.radians(1.0 / 60.0)
-LOW, HIGH: Final = 1.5, 6.0  # [-] powers
+LOW: Final = 1.5  # [-] powers
+HIGH: Final = 6.0
 FIELDS: Final = {LOW: math.radians(32.0), HIGH: math.radians(8.0)}  # [rad] width of the view
 STEPS: Final = {LOW: 2.0 * MINUTE, HIGH: 0.5 * MINUTE}  # [rad] of the stadimeter: estimate
 SHOWS: Final = 0.5  # [m] out, below which the optics are in their well
@@ -164,6 +165,7 @@ class Periscope:
         self._fitted: Scope | None = boat.file.scope
         self._step: float = boat.method.step
         self._stood = [Mast()]
+        self._shown: list[int] = []  # ticks at which the head was out of the water
 
     @property
     def fitted(self) -> Scope | None:
@@ -172,11 +174,27 @@ class Periscope:
 
     @property
     def acts(self) -> bool:
-        """Return that it writes nothing into the state."""
-        return False
+        """Return whether the mast may show."""
+        return self._fitted is not None and self.at(self._boat.ticks).out > 0.0
 
     def write(self, state: Any) -> None:
-        """Write nothing."""
+        """Write nothing; note that the head is out of the water."""
+        tick = int(state["tick"])
+        while self._shown and self._shown[-1] >= tick:
+            self._shown.pop()
+        if self.height(self.at(tick)) > 0.0:
+            self._shown.append(tick)
+
+    def exposed(self, tick: int, *, raised: bool) -> float:
+        """Return how long [s] the head has shown up to a tick, in all or since it was raised."""
+        since = self.raised_at(tick) if raised else 0
+        count = bisect_right(self._shown, tick) - bisect_left(self._shown, since)
+        return max(count, 0) * self._step
+
+    def raised_at(self, tick: int) -> int:
+        """Return the tick at which the mast was ordered up last, 0 before it ever was."""
+        number = self.at(tick).raised
+        return next((each.tick for each in self._stood if each.raised == number), 0)
 
     def forget(self) -> None:
         """Be down, as at the start."""
@@ -198,23 +216,22 @@ class Periscope:
         place = self._fitted.x_m if self._fitted else float(self._boat.vessel.x_sail)
         return place, float(self._boat.vessel.z_sail) - mast.out
 
-    def eye(self, state: Any, mast: Mast) -> Eye:
-        """Return where the head is in a state, which is a record."""
-        x, z = self.head(mast)
-        s, heading = state[0], float(state[0].psi)
-        ahead = x * math.cos(float(s.theta))
-        return Eye(
-            float(s.x) + ahead * math.cos(heading),
-            float(s.y) + ahead * math.sin(heading),
-            float(height_above_water(state, x, z)),
-            heading,
-        )
+    def height(self, mast: Mast) -> float:
+        """Return the height [m] of the head over the waves now."""
+        return float(height_above_water(self._boat.records.state, *self.head(mast)))
 
-    def sights(self, state: Any, mast: Mast) -> list[Sight]:
+    def place(self, s: Any, mast: Mast, height: float) -> Eye:
+        """Return where the head is in a state, whose numbers have their names."""
+        heading = float(s["psi"])
+        ahead = self.head(mast)[0] * math.cos(float(s["theta"]))
+        north, east = ahead * math.cos(heading), ahead * math.sin(heading)
+        return Eye(float(s["x"]) + north, float(s["y"]) + east, height, heading)
+
+    def sights(self, eye: Eye, mast: Mast) -> list[Sight]:
         """Return the ships in sight all round, the nearest first."""
         if mast.out < SHOWS:
             return []
-        eye, ships = self.eye(state, mast), targets(self._boat, mast.tick)
+        ships = targets(self._boat, mast.tick)
         seen = [sight for ship in ships if (sight := look_at(ship, eye))]
         return sorted(seen, key=attrgetter("distance"))
 
@@ -251,10 +268,11 @@ class Periscope:
     def _range(self, height: float, mast: Mast) -> Reply:
         """Return the distance of the ship at the wire by the height of its masthead."""
         state = self._boat.records.state
+        eye = self.place(self._boat.state, mast, self.height(mast))
         half = 0.5 * FIELDS[mast.power]
         off = [
             (abs(math.remainder(each.train - mast.train, math.tau)), each)
-            for each in self.sights(state, mast)
+            for each in self.sights(eye, mast)
         ]
         near = [pair for pair in off if pair[0] <= half]
         if not near:

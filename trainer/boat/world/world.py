@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Protocol
 
 from trainer.boat.world.contacts import contacts_of
+from trainer.boat.world.scope import Periscope
 from trainer.config.world import WorldTables
 from trainer.io.orders.grammar import Order, Refused, Reply
 
@@ -67,6 +68,7 @@ class World:
 # by the name of a part's order: from the boat and the tables of the exercise to the part
 PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {
     "contact": contacts_of,
+    "scope": Periscope,
 }
 
 

@@ -8,7 +8,7 @@ from trainer.boat.casualties import describe
 from trainer.core.casualties import KINDS
 from trainer.core.sea.sea import DIRECTION, HEIGHT, OMEGA
 from trainer.core.state import CASUALTIES
-from trainer.session.stations import panels
+from trainer.session.stations import optics, panels
 from trainer.session.stations.panels import (
     TONNE,
     Channel,
@@ -36,10 +36,7 @@ def heavy(frame: Frame) -> Value:
 
 def water_over_sail(frame: Frame) -> Value:
     """Return the water [m] over the sail's top. It is negative out of the sea."""
-    x, z = frame.fittings.sail
-    pitch, heel = frame["theta"], frame["phi"]
-    lifted = x * math.sin(pitch) - z * math.cos(pitch) * math.cos(heel)
-    return frame["z"] + frame["eta_wave"] - lifted
+    return -frame.height(*frame.fittings.sail)
 
 
 def sea_fields(block: str, before: str) -> tuple[Field, ...]:
@@ -155,7 +152,7 @@ INSTRUCTOR: Final = (
 
 
 CHANNELS: Final[Mapping[str, Channel]] = {
-    channel.name: channel for channel in (*panels.CHANNELS, *INSTRUCTOR)
+    channel.name: channel for channel in (*panels.CHANNELS, *optics.CHANNELS, *INSTRUCTOR)
 }
 TELETYPE: Final = "teletype"  # the state in one line of 79 columns, under headings
 EVENTS: Final = "events"  # what happens, when it happens

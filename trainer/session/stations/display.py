@@ -77,7 +77,7 @@ def in_words(channel: Channel, frame: Frame) -> list[str]:
     shown = (
         f"{field.name} {text} {field.unit.strip('-')}".rstrip().replace(" ", "\0")
         for field, text in zip(channel.fields, channel.values(frame), strict=True)
-        if text
+        if text and not field.packed
     )
     told = f"{channel.name}, {frame.seconds:g} s: {', '.join(shown) or 'nothing'}"
     wrapped = textwrap.wrap(told, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
