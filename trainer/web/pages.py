@@ -59,6 +59,10 @@ PAGES: Final = (
         *(CREW, "Orders planes and ballast, and keeps the boat in trim"),
     ),
     Page(
+        *("scope", "Periscope", "scope", "scope.html"),
+        *(CREW, "Looks round, takes bearings and ranges, marks contacts"),
+    ),
+    Page(
         *("observer", "Observer", "observer", "observer.html"),
         *(WATCH, "All instruments, no controls; marks moments"),
     ),

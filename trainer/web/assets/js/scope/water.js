@@ -1,0 +1,182 @@
+// The sea as it is seen from a little above it: ranges from far to near, each over the one before.
+import { parts } from "./ships.js";
+
+const COLUMNS = 96;
+const RANGES = 32;
+const NEAREST = 5; // [m]
+const FURTHEST = 1000; // [m] beyond it waves are a line
+const TONES = 9; // of one range
+const STEEP = 0.16; // slope that has the darkest tone
+const GROWS = 0.55; // share of a distance after which the tones fade into one: see `toneOf`
+const EARTH = 6371e3 / 0.8279; // [m] by which light is bent, as the session has it
+const OVERLAP = 1; // [px] of tones over each other
+
+/**
+ * @typedef {{ dark: string, mean: string, light: string, far: string, foam: string }} Colours
+ * @typedef {object} Outlook where it is drawn, and from where
+ * @property {CanvasRenderingContext2D} pen
+ * @property {number} eye [m] over the waves at the boat
+ * @property {number} level [m] of them there
+ * @property {number} train [rad]
+ * @property {number} field [rad]
+ * @property {number} centre [px]
+ * @property {number} horizontal [px] of elevation 0
+ * @property {number} scale [px] of a radian
+ * @property {number} foot [px] of the lowest that is seen
+ * @property {Colours} colours
+ *
+ * @typedef {{ distance: number, draw: () => void }} Among what is drawn between the ranges
+ */
+
+export class Water {
+  constructor() {
+    this.levels = new Float64Array(COLUMNS * RANGES);
+    this.heights = new Float64Array(COLUMNS * RANGES); // [px] on the screen
+    this.ranges = new Float64Array(RANGES);
+    /** @type {string[][]} */
+    this.paints = [];
+    this.painted = "";
+  }
+
+  /**
+   * Draws the sea and what is on it, the furthest first.
+   * @param {import("./sea.js").Sea} sea
+   * @param {Outlook} outlook
+   * @param {Among[]} among from near to far
+   */
+  draw(sea, outlook, among) {
+    this.spread(outlook);
+    this.measure(sea, outlook);
+    this.mix(outlook.colours);
+    const waiting = [...among];
+    for (let range = RANGES - 1; range > 0; range--) {
+      while (waiting.length && waiting[waiting.length - 1].distance > this.ranges[range]) waiting.pop()?.draw();
+      this.drawRange(range, outlook, sea.height);
+    }
+    for (const each of waiting.reverse()) each.draw();
+    this.drawFoot(outlook);
+  }
+
+  /** Sets the ranges, from the nearest that is seen. @param {Outlook} outlook */
+  spread({ eye, scale, horizontal, foot }) {
+    const lowest = Math.max((foot - horizontal) / scale, 0.02);
+    const nearest = Math.max(NEAREST, (0.7 * Math.max(eye, 0.3)) / Math.tan(lowest));
+    const first = Math.min(nearest, 0.2 * FURTHEST);
+    for (let i = 0; i < RANGES; i++) this.ranges[i] = first * (FURTHEST / first) ** (i / (RANGES - 1));
+  }
+
+  /** Finds the level of each point, and where it is seen. @param {import("./sea.js").Sea} sea @param {Outlook} outlook */
+  measure(sea, { eye, level, train, field, horizontal, scale }) {
+    const base = eye + level;
+    for (let column = 0; column < COLUMNS; column++) {
+      const angle = train + (column / (COLUMNS - 1) - 0.5) * field;
+      const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+      for (let range = 0; range < RANGES; range++) {
+        const away = this.ranges[range];
+        const water = sea.level(away * cos, away * sin);
+        const at = range * COLUMNS + column;
+        this.levels[at] = water;
+        this.heights[at] = horizontal - ((water - base) / away - away / (2 * EARTH)) * scale;
+      }
+    }
+  }
+
+  /** Mixes the tones of each range. @param {Colours} colours */
+  mix({ dark, mean, light, far }) {
+    const name = [dark, mean, light, far].join();
+    if (this.painted === name) return;
+    this.painted = name;
+    const [low, middle, high, haze] = [dark, mean, light, far].map(parts);
+    this.paints = Array.from({ length: RANGES }, (_, range) => {
+      const away = range / (RANGES - 1);
+      return Array.from({ length: TONES }, (_each, tone) => {
+        const share = tone / (TONES - 1);
+        const [from, to, part] = share < 0.5 ? [low, middle, 2 * share] : [middle, high, 2 * share - 1];
+        return `rgb(${from.map((own, i) => Math.round(blend(blend(own, to[i], part), haze[i], away ** 2.2))).join()})`;
+      });
+    });
+  }
+
+  /** Returns the tone of a piece of the sea: what faces the eye is dark. @param {number} range @param {number} column */
+  toneOf(range, column) {
+    const at = range * COLUMNS + column;
+    const rise = this.levels[at] - this.levels[at - COLUMNS];
+    const slope = rise / (this.ranges[range] - this.ranges[range - 1]);
+    const flat = 1 + GROWS * (range / RANGES);
+    const tone = 0.5 - (0.5 * slope * flat) / STEEP;
+    return Math.min(Math.max(Math.round(tone * (TONES - 1)), 0), TONES - 1);
+  }
+
+  /** @param {number} range @param {Outlook} outlook @param {number} height [m] significant */
+  drawRange(range, outlook, height) {
+    const { pen } = outlook;
+    let begun = 0;
+    let tone = this.toneOf(range, 0);
+    for (let column = 1; column < COLUMNS; column++) {
+      const next = column < COLUMNS - 1 ? this.toneOf(range, column) : -1;
+      if (next === tone) continue;
+      this.fill(range, [begun, column], outlook, this.paints[range][tone]);
+      begun = column;
+      tone = next;
+    }
+    if (height > 0.6) this.drawFoam(range, outlook, height);
+    pen.globalAlpha = 1;
+  }
+
+  /** Fills a part of a range, down to the next. @param {number} range @param {number[]} ends columns @param {Outlook} outlook @param {string} paint */
+  fill(range, [from, to], outlook, paint) {
+    const { pen } = outlook;
+    const [far, near] = [range * COLUMNS, (range - 1) * COLUMNS];
+    pen.fillStyle = paint;
+    pen.beginPath();
+    pen.moveTo(this.across(from, outlook) - OVERLAP, this.heights[far + from]);
+    for (let column = from; column <= to; column++) {
+      pen.lineTo(this.across(column, outlook), this.heights[far + column]);
+    }
+    for (let column = to; column >= from; column--) {
+      const below = Math.max(this.heights[near + column], this.heights[far + column]);
+      pen.lineTo(this.across(column, outlook) - OVERLAP, below + OVERLAP);
+    }
+    pen.fill();
+  }
+
+  /** Draws white water where crests are highest. @param {number} range @param {Outlook} outlook @param {number} height [m] significant */
+  drawFoam(range, outlook, height) {
+    const { pen, scale } = outlook;
+    const away = this.ranges[range];
+    if (away > 500) return;
+    pen.fillStyle = outlook.colours.foam;
+    for (let column = 1; column < COLUMNS - 1; column += 1) {
+      const at = range * COLUMNS + column;
+      const breaks = this.levels[at] / height - 0.42;
+      if (breaks <= 0 || this.levels[at] < this.levels[at - COLUMNS]) continue;
+      pen.globalAlpha = Math.min(3 * breaks, 0.8);
+      const [x, y] = [this.across(column, outlook), this.heights[at]];
+      const thick = Math.max(0.8, (0.16 * scale) / away);
+      const wide = this.across(column + 1, outlook) - x;
+      const ragged = 0.5 + 0.5 * Math.sin(12.9898 * column + 4.1 * range);
+      pen.fillRect(x - 0.2 * wide, y - 0.3 * thick, wide * (0.5 + ragged), thick * (0.4 + ragged));
+    }
+  }
+
+  /** Fills what is nearer than the nearest range. @param {Outlook} outlook */
+  drawFoot(outlook) {
+    const { pen, foot } = outlook;
+    pen.fillStyle = this.paints[0][Math.floor(0.4 * TONES)];
+    pen.beginPath();
+    pen.moveTo(this.across(0, outlook), foot);
+    for (let column = 0; column < COLUMNS; column++) pen.lineTo(this.across(column, outlook), this.heights[column]);
+    pen.lineTo(this.across(COLUMNS - 1, outlook), foot);
+    pen.fill();
+  }
+
+  /** Returns where a column is seen [px]. @param {number} column @param {Outlook} outlook */
+  across(column, { centre, field, scale }) {
+    return centre + (column / (COLUMNS - 1) - 0.5) * field * scale;
+  }
+}
+
+/** @param {number} one @param {number} other @param {number} share */
+function blend(one, other, share) {
+  return one + (other - one) * share;
+}
