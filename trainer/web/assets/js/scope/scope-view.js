@@ -106,7 +106,7 @@ class ScopeView extends Chart {
     drawSky(pen, { scene, light, scale, reach, field });
     const outlook = {
       ...{ pen, eye, level, train: scene.train, field: field * OVERLAP, centre: 0, horizontal: 0 },
-      ...{ scale, foot: reach, colours: light },
+      ...{ scale, foot: reach, colours: light, seconds: scene.still ? 0 : scene.seconds },
     };
     this.distant(pen, eye, scale, reach, light);
     this.water.draw(this.sea, outlook, this.among(scene, pen, scale, light, eye));
@@ -222,7 +222,7 @@ function tape(pen, { x, y, radius, scale, size, face }, scene) {
 
 /** Draws the rim of the eyepiece. @param {CanvasRenderingContext2D} pen @param {number[]} middle @param {number} radius */
 function rim(pen, [x, y], radius) {
-  const shade = pen.createRadialGradient(x, y, 0.86 * radius, x, y, radius);
+  const shade = pen.createRadialGradient(x, y, 0.9 * radius, x, y, radius);
   shade.addColorStop(0, "#00000000");
   shade.addColorStop(1, "#000000d0");
   pen.fillStyle = shade;

@@ -28,6 +28,7 @@ export class Sea {
     this.towards = 0; // [rad] off the bow, where the waves go
     this.along = 0; // [m/s] of the boat, along and across the waves
     this.across = 0;
+    this.ahead = 0; // [m/s] of the boat along its bow
     this.clock = 0;
     this.drift = 0;
     this.later = 0; // [s] after the reading
@@ -49,6 +50,7 @@ export class Sea {
     this.towards = number("towards") * DEGREE;
     const [cos, sin] = [Math.cos(this.towards), Math.sin(this.towards)];
     this.along = number("ahead") * cos + number("right") * sin;
+    this.ahead = number("ahead");
     this.across = number("right") * cos - number("ahead") * sin;
     this.clock = number("clock");
     this.drift = number("drift");

@@ -5,11 +5,12 @@ const COLUMNS = 96;
 const RANGES = 32;
 const NEAREST = 5; // [m]
 const FURTHEST = 1000; // [m] beyond it waves are a line
-const TONES = 9; // of one range
-const STEEP = 0.16; // slope that has the darkest tone
-const GROWS = 0.55; // share of a distance after which the tones fade into one: see `toneOf`
+const TONES = 33; // of one range
+const STEEP = 0.2; // slope that has the darkest tone
+const STOPS = 3; // columns from one stop of a range's colours to the next
+const RIPPLES = 160; // [m] to which the wind's own ripples are seen
 const EARTH = 6371e3 / 0.8279; // [m] by which light is bent, as the session has it
-const OVERLAP = 1; // [px] of tones over each other
+const OVERLAP = 1; // [px] of ranges over each other
 
 /**
  * @typedef {{ dark: string, mean: string, light: string, far: string, foam: string }} Colours
@@ -24,6 +25,7 @@ const OVERLAP = 1; // [px] of tones over each other
  * @property {number} scale [px] of a radian
  * @property {number} foot [px] of the lowest that is seen
  * @property {Colours} colours
+ * @property {number} seconds
  *
  * @typedef {{ distance: number, draw: () => void }} Among what is drawn between the ranges
  */
@@ -32,7 +34,11 @@ export class Water {
   constructor() {
     this.levels = new Float64Array(COLUMNS * RANGES);
     this.heights = new Float64Array(COLUMNS * RANGES); // [px] on the screen
+    this.ahead = new Float64Array(COLUMNS * RANGES); // [m] off the boat
+    this.right = new Float64Array(COLUMNS * RANGES);
     this.ranges = new Float64Array(RANGES);
+    this.ripple = 0; // share of a tone
+    this.way = 0; // [m] that the boat has gone
     /** @type {string[][]} */
     this.paints = [];
     this.painted = "";
@@ -45,13 +51,16 @@ export class Water {
    * @param {Among[]} among from near to far
    */
   draw(sea, outlook, among) {
+    this.ripple = 0.12 + Math.min(0.2 * sea.height, 0.2);
+    this.way = sea.ahead * outlook.seconds;
     this.spread(outlook);
     this.measure(sea, outlook);
     this.mix(outlook.colours);
     const waiting = [...among];
     for (let range = RANGES - 1; range > 0; range--) {
       while (waiting.length && waiting[waiting.length - 1].distance > this.ranges[range]) waiting.pop()?.draw();
-      this.drawRange(range, outlook, sea.height);
+      this.drawRange(range, outlook);
+      this.drawFoam(range, outlook, sea.height);
     }
     for (const each of waiting.reverse()) each.draw();
     this.drawFoot(outlook);
@@ -76,6 +85,8 @@ export class Water {
         const water = sea.level(away * cos, away * sin);
         const at = range * COLUMNS + column;
         this.levels[at] = water;
+        this.ahead[at] = away * cos;
+        this.right[at] = away * sin;
         this.heights[at] = horizontal - ((water - base) / away - away / (2 * EARTH)) * scale;
       }
     }
@@ -97,66 +108,60 @@ export class Water {
     });
   }
 
-  /** Returns the tone of a piece of the sea: what faces the eye is dark. @param {number} range @param {number} column */
-  toneOf(range, column) {
+  /** Returns the tone of a piece of the sea: what faces the eye is dark. @param {number} range @param {number} column @param {number} seconds */
+  toneOf(range, column, seconds) {
     const at = range * COLUMNS + column;
-    const rise = this.levels[at] - this.levels[at - COLUMNS];
-    const slope = rise / (this.ranges[range] - this.ranges[range - 1]);
-    const flat = 1 + GROWS * (range / RANGES);
-    const tone = 0.5 - (0.5 * slope * flat) / STEEP;
+    const away = this.ranges[range];
+    const slope = (this.levels[at] - this.levels[at - COLUMNS]) / (away - this.ranges[range - 1]);
+    let tone = 0.5 - (0.5 * slope) / STEEP;
+    if (away < RIPPLES && this.ripple) {
+      const [x, y] = [this.ahead[at] + this.way, this.right[at]];
+      const fine = Math.sin(0.9 * x + 2.1 * seconds + Math.sin(0.7 * y)) * Math.sin(1.3 * y - 0.4 * x + 1.7 * seconds);
+      tone += this.ripple * fine * (1 - away / RIPPLES);
+    }
     return Math.min(Math.max(Math.round(tone * (TONES - 1)), 0), TONES - 1);
   }
 
-  /** @param {number} range @param {Outlook} outlook @param {number} height [m] significant */
-  drawRange(range, outlook, height) {
-    const { pen } = outlook;
-    let begun = 0;
-    let tone = this.toneOf(range, 0);
-    for (let column = 1; column < COLUMNS; column++) {
-      const next = column < COLUMNS - 1 ? this.toneOf(range, column) : -1;
-      if (next === tone) continue;
-      this.fill(range, [begun, column], outlook, this.paints[range][tone]);
-      begun = column;
-      tone = next;
+  /** Fills a range down to the next one, its tones running into each other. @param {number} range @param {Outlook} outlook */
+  drawRange(range, outlook) {
+    const { pen, seconds } = outlook;
+    const [left, right] = [this.across(0, outlook), this.across(COLUMNS - 1, outlook)];
+    const paint = pen.createLinearGradient(left, 0, right, 0);
+    for (let column = 0; column < COLUMNS; column += STOPS) {
+      paint.addColorStop(column / (COLUMNS - 1), this.paints[range][this.toneOf(range, column, seconds)]);
     }
-    if (height > 0.6) this.drawFoam(range, outlook, height);
-    pen.globalAlpha = 1;
-  }
-
-  /** Fills a part of a range, down to the next. @param {number} range @param {number[]} ends columns @param {Outlook} outlook @param {string} paint */
-  fill(range, [from, to], outlook, paint) {
-    const { pen } = outlook;
     const [far, near] = [range * COLUMNS, (range - 1) * COLUMNS];
     pen.fillStyle = paint;
     pen.beginPath();
-    pen.moveTo(this.across(from, outlook) - OVERLAP, this.heights[far + from]);
-    for (let column = from; column <= to; column++) {
+    for (let column = 0; column < COLUMNS; column++) {
       pen.lineTo(this.across(column, outlook), this.heights[far + column]);
     }
-    for (let column = to; column >= from; column--) {
+    for (let column = COLUMNS - 1; column >= 0; column--) {
       const below = Math.max(this.heights[near + column], this.heights[far + column]);
-      pen.lineTo(this.across(column, outlook) - OVERLAP, below + OVERLAP);
+      pen.lineTo(this.across(column, outlook), below + OVERLAP);
     }
     pen.fill();
   }
 
-  /** Draws white water where crests are highest. @param {number} range @param {Outlook} outlook @param {number} height [m] significant */
+  /** Draws white water along the crests that are highest. @param {number} range @param {Outlook} outlook @param {number} height [m] significant */
   drawFoam(range, outlook, height) {
     const { pen, scale } = outlook;
     const away = this.ranges[range];
-    if (away > 500) return;
-    pen.fillStyle = outlook.colours.foam;
-    for (let column = 1; column < COLUMNS - 1; column += 1) {
+    if (height < 0.6 || away > 500) return;
+    const least = Math.min(Math.max(0.64 - 0.05 * height, 0.38), 0.6) * height;
+    pen.strokeStyle = outlook.colours.foam;
+    pen.lineWidth = Math.min(Math.max((0.1 * height * scale) / away / 6, 0.7), 9);
+    pen.globalAlpha = 0.55;
+    pen.beginPath();
+    for (let column = 1; column < COLUMNS; column++) {
       const at = range * COLUMNS + column;
-      const breaks = this.levels[at] / height - 0.42;
-      if (breaks <= 0 || this.levels[at] < this.levels[at - COLUMNS]) continue;
-      pen.globalAlpha = Math.min(3 * breaks, 0.8);
-      const [x, y] = [this.across(column, outlook), this.heights[at]];
-      const thick = Math.max(0.8, (0.16 * scale) / away);
-      const wide = this.across(column + 1, outlook) - x;
-      const ragged = 0.5 + 0.5 * Math.sin(12.9898 * column + 4.1 * range);
-      pen.fillRect(x - 0.2 * wide, y - 0.3 * thick, wide * (0.5 + ragged), thick * (0.4 + ragged));
+      const crest = this.levels[at] > least && this.levels[at] > this.levels[at - COLUMNS];
+      if (!crest || Math.sin(7.3 * this.right[at] + 3.1 * (this.ahead[at] + this.way)) < 0.1) continue;
+      pen.moveTo(this.across(column - 1, outlook), this.heights[at - 1]);
+      pen.lineTo(this.across(column, outlook), this.heights[at]);
     }
+    pen.stroke();
+    pen.globalAlpha = 1;
   }
 
   /** Fills what is nearer than the nearest range. @param {Outlook} outlook */
