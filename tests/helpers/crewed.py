@@ -12,8 +12,8 @@ import pytest
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import arm
-from trainer.config.condition import compile_condition
-from trainer.config.exercise import Armed, Loss
+from trainer.config.condition import Loss, compile_condition
+from trainer.config.exercise import Armed
 from trainer.config.files import Place
 from trainer.config.vessel import load_vessel
 from trainer.io.lines import Overlong

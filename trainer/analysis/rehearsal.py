@@ -16,6 +16,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.depths import collapse_of
 from trainer.boat.helm import obey
 from trainer.boat.reference_crew import Given, Reaction, ReferenceCrew
+from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.reference_crew import Crew
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.table import BOAT_ORDERS
@@ -67,7 +68,7 @@ def fly(
     aboard = None if crew is None else ReferenceCrew(boat, crew, reaction)
     if aboard is not None and since is not None:
         aboard.take_over(since.given)
-    rows, lost = [numbers[PLACED]], ""
+    rows, lost, watch = [numbers[PLACED]], "", EncounterMonitor.over(boat)
     with np.errstate(all="ignore"):
         for tick in range(first, last_tick(plan)):
             while place < len(plan.schedule) and due(plan, place) <= tick:
@@ -76,7 +77,7 @@ def fly(
             if aboard is not None:
                 journal.note(aboard.look())
             status = boat.tick()
-            lost = boat.failure(status) if status else collapse_of(boat)
+            lost = boat.failure(status) if status else collapse_of(boat) or watch.ended_by(boat)
             if not status:
                 rows.append(numbers[PLACED])
             if lost:

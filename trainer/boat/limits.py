@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
 from trainer.boat.boat import PLACES, Boat
+from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.exercise import Limits
 from trainer.core.sea.free_surface import deck_height, sail_height
 from trainer.units import KNOT
@@ -48,6 +49,7 @@ BEYOND: Final = {  # what passing each limit is called; depth grows downwards
     "speed_kn_max": "faster than {:g} kn",
     "speed_kn_min": "slower than {:g} kn",
     "validity_level_max": "validity level above {:g}",
+    "cpa_m_min": "nearer than {:g} m to a ship",
 }
 
 
@@ -95,6 +97,7 @@ class LimitMonitor:
     inside_since: float = 0.0  # [s]
     followed: bool = False  # by a sea, faster than the wave filter is true
     followed_since: float = 0.0  # [s]
+    encounters: EncounterMonitor = field(default_factory=EncounterMonitor)
     _set: tuple[tuple[str, float], ...] = field(init=False)  # the limits that there are, by name
 
     def __post_init__(self) -> None:
@@ -104,34 +107,36 @@ class LimitMonitor:
     @classmethod
     def over(cls, boat: Boat, limits: Limits) -> "LimitMonitor":
         """Return the watch over a boat. What shows or is beyond its limit now is no news."""
-        monitor = cls(limits)
+        monitor = cls(limits, encounters=EncounterMonitor.over(boat))
         monitor.settle(boat)
         return monitor
 
     def settle(self, boat: Boat) -> None:
         """Take the boat as it is, after a jump in time. Nothing of it is news."""
+        self.encounters.settle(boat)
         self._passed(boat)
         self._broken_surface(boat)
         self._out_of_range(boat)
 
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to call out after a tick."""
+        met = self.encounters.look(boat)
         usual = boat.plain[VALIDITY] == 0.0 and self.validity == 0
         usual = usual and boat.plain[HEIGHT] == 0.0
         if usual and not self._set and not self.shows and deep(boat):
-            return []
+            return met
         news = self._out_of_range(boat) + self._passed(boat) + self._broken_surface(boat)
         news += self._following_sea(boat)
         for what, _ in news:
             self.times.setdefault(what, []).append(boat.time)
-        return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for _, text in news]
+        return met + [f"tick {boat.ticks} ({boat.time:g} s): {text}" for _, text in news]
 
     def _passed(self, boat: Boat) -> list[tuple[str, str]]:
         """Return each limit passed since the last look, and the words for it."""
         news = []
         for name, limit in self._set:
             key, _, end = name.rpartition("_")
-            value = SEEN[key](boat.state)
+            value = self.encounters.nearest[1] if key == "cpa_m" else SEEN[key](boat.state)
             if not (value > limit if end == "max" else value < limit):
                 self.beyond.discard(name)
             elif name not in self.beyond:

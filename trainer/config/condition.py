@@ -169,3 +169,34 @@ def quantity_table() -> str:
     rows = ["| quantity | units | is |", "|---|---|---|"]
     rows += [f"| `{name}` | {', '.join(q.units)} | {q.meaning} |" for name, q in QUANTITIES.items()]
     return "\n".join(rows) + "\n"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loss:
+    """The conditions that lose an exercise, each held for so long [s]."""
+
+    conditions: tuple[Condition, ...]
+    seconds: float
+    text: str
+
+
+LASTING: Final = re.compile(r"(.*\S)\s+for\s+([\d.]+)\s*s")
+
+
+def compile_losses(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
+    """Return what loses the exercise; ConfigError with all that is no condition."""
+    problems: list[str] = []
+    found = []
+    for text in texts:
+        lasting = LASTING.fullmatch(text.strip())
+        words, seconds = (lasting[1], lasting[2]) if lasting else (text, "0")
+        try:
+            conditions = compile_conditions(words, place)
+        except ConfigError as wrong:
+            reason = str(wrong).partition("condition ")[2].partition(": ")[2]
+            problems.append(place.wrong("lost", text, reason))
+        else:
+            found.append(Loss(conditions=conditions, seconds=float(seconds), text=text.strip()))
+    if problems:
+        raise ConfigError(*problems)
+    return tuple(found)

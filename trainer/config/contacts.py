@@ -16,10 +16,12 @@ from trainer.config.schema import (
     Quantity,
     Rows,
     Text,
+    described,
     list_schema,
     of,
     optional,
     read_record,
+    record_schema,
     usual,
     within,
 )
@@ -243,6 +245,16 @@ def read_encounters(value: object, place: Place, path: Path) -> Encounters:
     """Return what is made of ships that come near; ConfigError with all that is wrong."""
     del path
     return read_record(Encounters, value, place, ("note",))
+
+
+def contacts_schema() -> dict[str, Any]:
+    """Return the JSON Schema of the tables [[contact]]."""
+    return described(CONTACTS)
+
+
+def encounters_schema() -> dict[str, Any]:
+    """Return the JSON Schema of the table [contacts]."""
+    return record_schema(Encounters, ("note",))
 
 
 def _faults(contact: Contact) -> list[str]:

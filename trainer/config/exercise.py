@@ -2,14 +2,13 @@
 
 import hashlib
 import math
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Final
 
 from trainer.config.casualties import Casualty, load_casualties, severity_rule
-from trainer.config.condition import Condition, compile_condition, compile_conditions
+from trainer.config.condition import Condition, Loss, compile_condition, compile_losses
 from trainer.config.files import (
     ConfigError,
     Place,
@@ -41,7 +40,7 @@ from trainer.config.schema import (
 )
 from trainer.config.score_rules import Rule, Score, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
-from trainer.config.world import READERS, WorldTables, read_world
+from trainer.config.world import READERS, WORLD_RECORDS, WorldTables, read_world
 from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import LATEST, Scheduled
 
@@ -152,6 +151,9 @@ class Limits:
     validity_level_max: float | None = optional(
         Quantity("-", within(0, 2), "of the equations: 0 inside their range, 1 extrapolated")
     )
+    cpa_m_min: float | None = optional(
+        Quantity("m", within(0, 20_000), "nearest to any ship, from middle to middle")
+    )
 
 
 ORDERS: Final = Rows(OrderRow, ("note",), 0, 500, "scheduled orders, below")
@@ -164,6 +166,7 @@ RECORDS: Final = {
     "[casualties]": CasualtyRow,
     "limits": Limits,
     "[scores]": Score,
+    **WORLD_RECORDS,
     "[crew]": CrewRow,
     "planesman": Planesman,
     "helmsman": Helmsman,
@@ -204,15 +207,6 @@ class Drawn:
 
     row: CasualtyRow
     number: int  # in the file, from 0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Loss:
-    """The conditions that lose an exercise, each held for so long [s]."""
-
-    conditions: tuple[Condition, ...]
-    seconds: float
-    text: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -322,7 +316,7 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
     with collecting(problems):
         parts["world"] = read_world(table, path)
     with collecting(problems):
-        parts["lost"] = _lost(_texts(table, "lost"), place)
+        parts["lost"] = compile_losses(_texts(table, "lost"), place)
     problems += _unmanned(table, place)
     if _texts(table, "hand"):
         problems += _without_win(parts.get("scores", ()), place)
@@ -332,32 +326,10 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
     return Exercise(path=path, schedule=tuple(timed), **parts)
 
 
-LASTING: Final = re.compile(r"(.*\S)\s+for\s+([\d.]+)\s*s")
-
-
 def _texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
     """Return the texts of a list, whatever else is wrong in the file."""
     given = table.get(key)
     return tuple(each for each in given if isinstance(each, str)) if isinstance(given, list) else ()
-
-
-def _lost(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
-    """Return what loses the exercise; ConfigError with all that is no condition."""
-    problems: list[str] = []
-    found = []
-    for text in texts:
-        lasting = LASTING.fullmatch(text.strip())
-        words, seconds = (lasting[1], lasting[2]) if lasting else (text, "0")
-        try:
-            conditions = compile_conditions(words, place)
-        except ConfigError as wrong:
-            reason = str(wrong).partition("condition ")[2].partition(": ")[2]
-            problems.append(place.wrong("lost", text, reason))
-        else:
-            found.append(Loss(conditions=conditions, seconds=float(seconds), text=text.strip()))
-    if problems:
-        raise ConfigError(*problems)
-    return tuple(found)
 
 
 def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:

@@ -98,6 +98,13 @@ MEASURES: Final[Mapping[str, Measure]] = {
         "sum of the way over the ground from tick to tick",
         "the last",
     ),
+    "closest-approach": Measure(
+        (),
+        (),
+        "m",
+        "least range to any ship, middle to middle, straight between ticks",
+        "when it was",
+    ),
     "broaches": Measure(
         (),
         (),

@@ -4,7 +4,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.contacts import read_contacts, read_encounters
+from trainer.config.contacts import (
+    CONTACT_RECORDS,
+    contacts_schema,
+    encounters_schema,
+    read_contacts,
+    read_encounters,
+)
 from trainer.config.files import ConfigError, Place, collecting
 
 # by the name of the table: from what it holds, its place, and the exercise's path to a record
@@ -13,6 +19,11 @@ READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {
     "contacts": read_encounters,
 }
 
+SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
+    "contact": contacts_schema,
+    "contacts": encounters_schema,
+}
+WORLD_RECORDS: Final[Mapping[str, type[Any]]] = {**CONTACT_RECORDS}  # for their keys
 WorldTables = Mapping[str, Any]  # records, by the names of their tables
 
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Final
 
 from trainer.boat.depths import collapse_of, hull_depth
+from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.course import course
-from trainer.config.files import ConfigError
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import RecordingError
@@ -139,6 +139,23 @@ class Conduct:
         if control.failure:
             depth = hull_depth(control.boat)
             self.tell_depth(control.failure, Fact("collapse", f"{depth:.1f}"))
+
+    def collide(self, met: EncounterMonitor) -> None:
+        """Do what the exercise has a collision do."""
+        if met.struck and not self.control.history.rerun:
+            self.halt(f"collision with {met.struck}", met.rules.collision)
+
+    def halt(self, why: str, how: str) -> None:
+        """Freeze time, or end the exercise as lost, by ``how``; another word does nothing."""
+        if how == "end" and not self.ending.over:
+            self.ending.end("lost", f"lost at {self.control.boat.time:g} s")
+            self.ending.why = why
+            self._stop()
+        elif how == "freeze":
+            self.control.time.pacer.freeze()
+            self.control.steps = 0
+            self.log.tell("time", f"frozen: {why}")
+            self.show()
 
     def tell_depth(self, words: str, fact: Fact) -> None:
         """Tell what the depth has come to, with its tick."""
@@ -475,16 +492,3 @@ class Conduct:
         timer = threading.Timer(seconds, self.wake)
         timer.daemon = True
         timer.start()
-
-
-def problem_with(load: Callable[[str], object]) -> Callable[[str], str]:
-    """Return what says why an exercise cannot be loaded, "" when it can."""
-
-    def problem(name: str) -> str:
-        try:
-            load(name)
-        except ConfigError as error:
-            return str(error)
-        return ""
-
-    return problem

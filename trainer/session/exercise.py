@@ -18,8 +18,8 @@ from typing import Final
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.limits import deep, showing
-from trainer.config.condition import QUANTITIES, Condition
-from trainer.config.exercise import Loss
+from trainer.config.condition import QUANTITIES, Condition, Loss
+from trainer.config.files import ConfigError
 
 PATIENCE: Final = 20.0  # [s] at the end, for marks and pages
 TURNED_OVER: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
@@ -187,3 +187,16 @@ class Work:
         for thread in self.threads:
             thread.join(max(end - time.monotonic(), 0.0))
         self.settle()
+
+
+def problem_with(load: Callable[[str], object]) -> Callable[[str], str]:
+    """Return what says why an exercise cannot be loaded, "" when it can."""
+
+    def problem(name: str) -> str:
+        try:
+            load(name)
+        except ConfigError as error:
+            return str(error)
+        return ""
+
+    return problem

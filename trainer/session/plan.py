@@ -14,13 +14,13 @@ from trainer.boat.depths import DepthGuard
 from trainer.boat.world.world import world_of
 from trainer.config.baseline import Baseline, kept_baseline
 from trainer.config.casualties import Casualty, load_casualties
+from trainer.config.condition import Loss
 from trainer.config.exercise import (
     UNSCHEDULED,
     Armed,
     Exercise,
     Initial,
     Limits,
-    Loss,
     load_exercise,
 )
 from trainer.config.files import ConfigError, read_text

@@ -470,6 +470,7 @@ class Session:
         for kind, monitor in (("watch", self.monitor), ("pilot", self.pilot)):
             for text in monitor.look(self.boat):
                 self.event_log.alert(kind, text)
+        self.conduct.collide(self.monitor.encounters)
         if passed := self.depths.look(self.boat):  # on the way down
             self.conduct.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"))
         self.conduct.judge_hull()

@@ -1,5 +1,6 @@
 """All that a debrief tells, gathered from a recording, and its figures for programs."""
 
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.debrief.changes import WIDTH, Change, changed_card, read_changes
+from trainer.analysis.debrief.encounters import meet
 from trainer.analysis.debrief.episodes import (
     Deflection,
     Episode,
@@ -31,10 +33,12 @@ from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict
 from trainer.analysis.debrief.trajectory import Trajectory, read_passage
 from trainer.analysis.rehearsal import CREW, Departure, fly
 from trainer.boat.boat import Boat
+from trainer.boat.world.world import world_of
 from trainer.config.files import ConfigError
 from trainer.core.cache import same_core
 from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
 from trainer.session.header import layout_of, plan_of, trainees_of
+from trainer.session.history import settle_world
 from trainer.session.plan import Plan
 
 GAP: Final = "not recorded"  # begins why a branch was begun that nobody wound back to
@@ -151,6 +155,8 @@ def gather(
     wanted = branch.id
     plan = plan_of(header)
     boat = Boat(plan.file, plan.method)
+    boat.world = world_of(boat, plan.world)
+    settle_world(boat, recording, wanted, sys.maxsize)
     trajectory = read_passage(recording, wanted, layout_of(header), boat, plan.limits)
     changes = tuple(each for each in read_changes(source) if each.branch == wanted)
     nobody = {
@@ -356,6 +362,10 @@ def figures(debrief: DebriefData) -> dict[str, Any]:
         "scores": [_score(each, step) for each in debrief.card.scores],
         "orders_to_crew": [_read_back(each, step) for each in debrief.read_backs],
         "casualties": [_casualty(each, step) for each in debrief.casualties],
+        "ships": [
+            {"name": name, "closest_m": apart, "seconds": tick * step}
+            for name, (apart, tick) in meet(debrief.trajectory).closest.items()
+        ],
         "marks": [
             {"seconds": each.tick * step, "remark": each.text, "by": each.who}
             for each in debrief.of_kind("mark")

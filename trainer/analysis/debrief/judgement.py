@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.analysis.debrief.encounters import meet
 from trainer.analysis.debrief.episodes import SCHEDULE, name_of
 from trainer.analysis.debrief.measures import limits_of, rows_beyond
 from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict, score
@@ -18,7 +19,7 @@ from trainer.analysis.debrief.trajectory import Rows, Trajectory
 from trainer.analysis.report.svg import clock
 from trainer.boat.depths import lowest_depth
 from trainer.boat.limits import BEYOND
-from trainer.config.exercise import Loss
+from trainer.config.condition import Loss
 from trainer.config.score_rules import Rule, Score
 from trainer.session.plan import Plan
 
@@ -121,7 +122,8 @@ def _verdict(
     """Return how it ended, the worst first."""
     tasks, keeping = means
     turned = _turned_over(trajectory)
-    lost = turned or next(_losses(trajectory, plan.lost), "") or _ended(trajectory, plan)
+    lost = turned or next(_losses(trajectory, plan.lost), "")
+    lost = lost or _ended(trajectory, plan) or _collided(trajectory)
     gate = next(_broken(trajectory), "")
     undone = [each.name for each in scores if not _carried_out(each)]
     cap = LOST_CAP if lost else GATE_CAP if gate else None
@@ -210,6 +212,15 @@ def _ended(trajectory: Trajectory, plan: Plan) -> str:
     column = trajectory.columns
     deepest = float(lowest_depth(column["z"], column["theta"], plan.file.hull.length).max())
     return f"the hull collapsed at {deepest:.0f} m" if deepest >= limit else ""
+
+
+def _collided(trajectory: Trajectory) -> str:
+    """Return that a collision has ended the exercise."""
+    met = meet(trajectory)
+    if met.collision != "end" or not met.collisions:
+        return ""
+    tick, name = met.collisions[0]
+    return f"collision with {name} at {clock(tick * trajectory.boat.method.step)}"
 
 
 def _cut_short(trajectory: Trajectory, plan: Plan) -> str:

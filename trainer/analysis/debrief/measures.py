@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.analysis.debrief.encounters import meet
 from trainer.analysis.debrief.episodes import answer_to, first_spell
 from trainer.analysis.debrief.trajectory import Rows, Trajectory, showing
 from trainer.boat.depths import lowest_depth
@@ -20,6 +21,7 @@ from trainer.core.kernel import Numbers
 
 NO_TEST_DEPTH: Final = "this boat has no test depth"
 PLANES: Final = ("stern", "bow")
+RANGE: Final = "cpa_m"  # of the nearest ship
 LIMITED: Final[Mapping[str, Measured]] = {  # by the keys of an exercise's limits
     "depth_m": Measured("depth", "m", 1.0),
     "pitch_deg": Measured("pitch", "deg", float(np.radians(1.0))),
@@ -140,6 +142,14 @@ def distance(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     return Attained(float(run[rows[1:] & rows[:-1]].sum()), int(trajectory.ticks[rows][-1]))
 
 
+def closest_approach(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return the least range [m] to any ship."""
+    nearest = meet(trajectory).nearest[rows]
+    if not np.isfinite(nearest).any():
+        return Attained(None, None, "there was no ship", counts=False)
+    return _extreme(trajectory, rows, nearest, np.argmin)
+
+
 def broaches(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     """Return how often sail or deck left the sea without a main ballast blow."""
     found = [row for row in broach_rows(trajectory) if rows[row]]
@@ -201,14 +211,15 @@ def reserve_air(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
 def limits_of(trajectory: Trajectory) -> list[str]:
     """Return the limits that the exercise sets, by their keys."""
     names = [item.name for item in fields(trajectory.limits)]
-    known = [name for name in names if name.rpartition("_")[0] in LIMITED]
+    known = [name for name in names if name.rpartition("_")[0] in (*LIMITED, RANGE)]
     return [name for name in known if getattr(trajectory.limits, name) is not None]
 
 
 def rows_beyond(trajectory: Trajectory, name: str) -> Rows:
     """Return at which ticks a limit of the exercise is passed."""
     key, _, end = name.rpartition("_")
-    value, limit = trajectory.measured(LIMITED[key]), getattr(trajectory.limits, name)
+    limit = getattr(trajectory.limits, name)
+    value = meet(trajectory).nearest if key == RANGE else trajectory.measured(LIMITED[key])
     value = np.abs(value) if key in ("pitch_deg", "heel_deg") else value
     beyond: Rows = value > limit if end == "max" else value < limit
     return beyond

@@ -76,6 +76,8 @@ def _parts(debrief: DebriefData) -> Iterator[Markup]:
     yield section("casualties", "Casualties", told)
     if debrief.card.scores:
         yield section("scores", "Measures", sections.scores(debrief))
+    if met := sections.ships(debrief):
+        yield section("ships", "Ships", met)
     if debrief.of_kind("mark"):
         yield section("words", "The instructor's words", sections.marks(debrief))
     if debrief.hands:

@@ -26,6 +26,7 @@ TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {
     "largest": measures.largest,
     "activity": measures.activity,
     "distance": measures.distance,
+    "closest-approach": measures.closest_approach,
     "broaches": measures.broaches,
     "beyond-limits": measures.beyond_limits,
     "beyond-test-depth": measures.beyond_test_depth,

@@ -9,6 +9,7 @@ from markupsafe import Markup
 from trainer.analysis.debrief.changes import OUTCOME, WIDTH, Change
 from trainer.analysis.debrief.charts import WRONG, chart_of
 from trainer.analysis.debrief.data import Answered, Compared, DebriefData, deviation_of
+from trainer.analysis.debrief.encounters import meet
 from trainer.analysis.debrief.episodes import SCHEDULE, ReadBack
 from trainer.analysis.debrief.reference import behind
 from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict
@@ -304,6 +305,22 @@ def _casualty(debrief: DebriefData, i: int, each: Answered) -> tuple[str, ...]:
         moved.surface if moved else "none",
         after(moved.tick) if moved else "-",
     )
+
+
+def ships(debrief: DebriefData) -> Markup:
+    """Return the table of the ships that were met, the nearest first; empty without any."""
+    met = meet(debrief.trajectory)
+    if not met.closest:
+        return Markup()
+    rows = [
+        (name, f"{apart:.0f} m", place(debrief, tick))
+        for name, (apart, tick) in sorted(met.closest.items(), key=lambda each: each[1])
+    ]
+    struck = [
+        f"Collision with {name} at {clock(tick * debrief.step)}." for tick, name in met.collisions
+    ]
+    told = Markup().join(map(paragraph, struck))
+    return told + table(("ship", "closest approach", "when"), rows, "")
 
 
 def marks(debrief: DebriefData) -> Markup:

@@ -117,6 +117,11 @@ class Contacts:
         """Return whether ships pull at the boat."""
         return False
 
+    @property
+    def any(self) -> bool:
+        """Return whether there are ships at any tick."""
+        return any(fleet.order for _, fleet in self._fleets)
+
     def fleet(self, tick: int) -> Fleet:
         """Return the ships that there are at a tick."""
         for begins, fleet in reversed(self._fleets):
@@ -175,6 +180,12 @@ class Contacts:
         way = lay(tick * self.step, start, ON)
         ships[name] = Ship(name, kind, status, None, way)
         return self._change(tick, ships, order.text)
+
+
+def contacts_in(boat: Any) -> Contacts | None:
+    """Return the ships near a boat; None for one without a world."""
+    part = boat.world.parts.get("contact")
+    return part if isinstance(part, Contacts) else None
 
 
 def contacts_of(boat: Any, tables: WorldTables) -> Contacts:

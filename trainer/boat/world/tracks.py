@@ -64,7 +64,7 @@ class Situation(NamedTuple):
     turning: Numbers
 
 
-def situation(pieces: Numbers, time: float) -> Situation:
+def situation(pieces: Numbers, time: float | Numbers) -> Situation:
     """Return where ships are at a time [s], by the columns of their pieces (10, ships)."""
     begins, _, north, east, course, curvature, speed, acceleration = pieces[:8]
     passed = np.maximum(time - begins, 0.0)

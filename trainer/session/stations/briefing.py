@@ -11,7 +11,8 @@ from dataclasses import dataclass, field, fields
 from typing import Final
 
 from trainer.boat.boat import Boat
-from trainer.config.exercise import Limits, Loss
+from trainer.config.condition import Loss
+from trainer.config.exercise import Limits
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.surfaces import SURFACES
 from trainer.session.stations.display import WIDTH

@@ -1,0 +1,269 @@
+"""Closest approach and collision: what is foreseen, what is called, what was measured.
+
+Foreseen along straight lines while these hold, else on the arcs that both are on. Measured from
+tick to tick, on straight lines between: ranges are from the boat's origin to the ship's middle.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.boat.world.contacts import Contacts, Ship, contacts_in
+from trainer.boat.world.hulls import OwnHull, Pose
+from trainer.boat.world.tracks import Situation, situation
+from trainer.config.contacts import Encounters
+from trainer.core.kernel import Numbers
+
+STILL: Final = 0.1  # [m/s] of relative speed, below which there is no time of closest approach
+BENT: Final = 0.1  # [-] of the limit: where arcs leave straight lines by more, they are followed
+ARCS: Final = np.arange(5.0, 1201.0, 5.0)  # [s] ahead
+AGAIN: Final = 0.2  # [-] change of the closest approach that is called again
+LEAST: Final = 0.1  # [-] of the limit: approaches below it count as this close
+
+
+class Own(NamedTuple):
+    """The boat's place, course and speed over the ground, and rate of turn [SI]."""
+
+    north: float
+    east: float
+    course: float
+    speed: float
+    turning: float
+
+    @classmethod
+    def of(cls, state: Any) -> "Own":
+        """Return those of a state; a boat whose place is held stands still."""
+        if state["held_position"]:
+            return cls(float(state["x"]), float(state["y"]), float(state["psi"]), 0.0, 0.0)
+        north, east = float(state["xdot"]), float(state["ydot"])
+        speed, turning = math.hypot(north, east), float(state["psidot"])
+        return cls(float(state["x"]), float(state["y"]), math.atan2(east, north), speed, turning)
+
+
+class Plot(NamedTuple):
+    """All ships as they bear from the boat [SI], an array each."""
+
+    bearing: Numbers
+    range: Numbers
+    closest: Numbers  # foreseen
+    until: Numbers  # [s] from now; below zero: past, NaN: there is no such time
+    turning: NDArray[np.bool_]  # whether straight lines do not hold
+
+
+def closest_approach(
+    north: Numbers, east: Numbers, v_north: Numbers, v_east: Numbers
+) -> tuple[Numbers, Numbers]:
+    """Return closest approach [m] and time to it [s] along straight lines, by place and velocity.
+
+    Both are relative. Without relative speed it is the range, and the time is NaN.
+    """
+    square = v_north * v_north + v_east * v_east
+    moves = square >= STILL * STILL
+    until = np.where(moves, -(north * v_north + east * v_east) / np.where(moves, square, 1.0), 0.0)
+    closest = np.hypot(north + v_north * until, east + v_east * until)
+    return closest, np.where(moves, until, np.nan)
+
+
+def plot(own: Own, there: Situation, limit: float) -> Plot:
+    """Return how ships bear from the boat; ``limit`` [m] decides whether straight lines hold."""
+    north, east = there.north - own.north, there.east - own.east
+    v_north = there.speed * np.cos(there.course) - own.speed * math.cos(own.course)
+    v_east = there.speed * np.sin(there.course) - own.speed * math.sin(own.course)
+    closest, until = closest_approach(north, east, v_north, v_east)
+    bend = 0.5 * (abs(own.speed * own.turning) + np.abs(there.speed * there.turning))
+    turning = bend * until * until >= BENT * limit
+    turning &= until > 0.0
+    if turning.any():
+        chosen = Situation(*(each[turning] for each in there))
+        closest[turning], until[turning] = on_arcs(own, chosen)
+    return Plot(np.arctan2(east, north) % math.tau, np.hypot(north, east), closest, until, turning)
+
+
+def on_arcs(own: Own, there: Situation) -> tuple[Numbers, Numbers]:
+    """Return closest approach [m] and time to it [s] if all go on turning as they do."""
+    mine = _ahead(Situation(*(np.array([each]) for each in own)))
+    theirs = _ahead(there)
+    apart = np.hypot(theirs.north - mine.north, theirs.east - mine.east)
+    first = apart.argmin(axis=1)
+    return apart[np.arange(first.size), first], ARCS[first]
+
+
+def _ahead(now: Situation) -> Situation:
+    """Return where ships will be at each time of ARCS, a row each."""
+    curvature = now.turning / np.where(now.speed > 0.0, now.speed, 1.0)
+    none = np.zeros_like(now.north)
+    pieces = np.array([none, none, *now[:3], curvature, now.speed, none])
+    return situation(pieces[:, :, None], ARCS)
+
+
+def passing(
+    contacts: Contacts, tick: int, before: tuple[float, float], now: tuple[float, float]
+) -> tuple[tuple[Ship, ...], Numbers]:
+    """Return the ships and the least range [m] of each in the step to a tick.
+
+    The boat's places before and after it are given; both move on straight lines meanwhile.
+    """
+    fleet = contacts.fleet(tick - 1)
+    start, end = fleet.at((tick - 1) * contacts.step), fleet.at(tick * contacts.step)
+    north, east = start.north - before[0], start.east - before[1]
+    by_north, by_east = end.north - now[0] - north, end.east - now[1] - east
+    square = by_north * by_north + by_east * by_east
+    along = -(north * by_north + east * by_east) / np.where(square > 0.0, square, 1.0)
+    share = np.clip(along, 0.0, 1.0)
+    return fleet.order, np.hypot(north + share * by_north, east + share * by_east)
+
+
+@dataclass
+class EncounterMonitor:
+    """The watch on ships that come near: what to call, and the closest that each has been."""
+
+    contacts: Contacts | None = None
+    hull: OwnHull | None = None
+    struck: str = ""  # the ship that was run into in the last tick
+    nearest: tuple[str, float] = "", math.inf  # ship and range [m] in the last tick
+    closest: dict[str, tuple[float, int]] = field(default_factory=dict)  # [m] and tick, by name
+    called: dict[str, float] = field(default_factory=dict)  # [m] as it was called last
+    touching: set[str] = field(default_factory=set)
+    _pose: Pose | None = None  # of the boat in the tick before
+
+    @classmethod
+    def over(cls, boat: Any) -> "EncounterMonitor":
+        """Return the watch over a boat."""
+        contacts = contacts_in(boat)
+        monitor = cls(contacts, OwnHull.of(boat) if contacts else None)
+        monitor.settle(boat)
+        return monitor
+
+    @property
+    def rules(self) -> Encounters:
+        """Return what is made of ships that come near."""
+        return self.contacts.encounters if self.contacts else Encounters()
+
+    def settle(self, boat: Any) -> None:
+        """Take the boat as it is, after a jump in time: nothing is measured over the jump."""
+        self.struck, self.nearest = "", ("", math.inf)
+        self._pose = Pose.of(boat.state) if self.contacts else None
+        for kept in (self.closest, self.called, self.touching):
+            kept.clear()
+
+    def look(self, boat: Any) -> list[str]:
+        """Return what there is to call out after a tick."""
+        self.struck, self.nearest = "", ("", math.inf)
+        contacts, before, tick = self.contacts, self._pose, boat.ticks
+        if contacts is None or not contacts.fleet(tick).order:
+            self._pose = None
+            return []
+        now = self._pose = Pose.of(boat.state)
+        news = [] if before is None else self.step(contacts, tick, before, now)
+        news += self._calls(boat, contacts)
+        return [f"tick {tick} ({boat.time:g} s): {text}" for text in news]
+
+    def ended_by(self, boat: Any) -> str:
+        """Return by what collision the exercise ends after a tick, "" if it goes on."""
+        self.look(boat)
+        ends = self.struck and self.rules.collision == "end"
+        return f"collision with {self.struck}" if ends else ""
+
+    def step(self, contacts: Contacts, tick: int, before: Pose, now: Pose) -> list[str]:
+        """Keep the least range of each ship in the step to a tick; return the new collisions."""
+        self.struck, self.nearest = "", ("", math.inf)
+        ships, ranges = passing(contacts, tick, before[:2], now[:2])
+        for ship, apart in zip(ships, ranges.tolist(), strict=True):
+            if apart < self.closest.get(ship.name, (math.inf, 0))[0]:
+                self.closest[ship.name] = apart, tick
+            if apart < self.nearest[1]:
+                self.nearest = ship.name, apart
+        struck = self._struck(contacts, tick, before, now, ranges)
+        news = [f"COLLISION with {name}, {_words(ships, name)}" for name in struck - self.touching]
+        self.struck = min(struck - self.touching, default="")
+        self.touching = struck
+        return sorted(news)
+
+    def _struck(
+        self, contacts: Contacts, tick: int, before: Pose, now: Pose, ranges: Numbers
+    ) -> set[str]:
+        """Return the ships that the boat touches in the step to a tick."""
+        hull, fleet = self.hull, contacts.fleet(tick - 1)
+        if hull is None:
+            return set()
+        depth = min(before.depth, now.depth)
+        near = [
+            (i, ship)
+            for i, ship in enumerate(fleet.order)
+            if not hull.far(float(ranges[i]), depth, ship.type, 0.0)
+        ]
+        if not near:
+            return set()
+        times = (tick - 1) * contacts.step, tick * contacts.step
+        start, end = (np.array(fleet.at(time)[:3]) for time in times)
+        return {
+            ship.name
+            for i, ship in near
+            if _meets(hull, ship, (before, now), (start[:, i], end[:, i]))
+        }
+
+    def _calls(self, boat: Any, contacts: Contacts) -> list[str]:
+        """Return each closest approach that is to be called now."""
+        rules, tick = self.rules, boat.ticks
+        fleet, own = contacts.fleet(tick), Own.of(boat.state)
+        seen = plot(own, contacts.at(tick), rules.cpa_m)
+        soon = (seen.until >= 0.0) & (seen.until < rules.warn_s) & (seen.closest < rules.cpa_m)
+        for name in [ship.name for i, ship in enumerate(fleet.order) if not soon[i]]:
+            self.called.pop(name, None)
+        news = []
+        for i in np.flatnonzero(soon).tolist():
+            name, closest = fleet.order[i].name, float(seen.closest[i])
+            if self._is_news(name, closest):
+                self.called[name] = closest
+                news.append(_call(fleet.order[i], Plot(*(each[i] for each in seen))))
+        return news
+
+    def _is_news(self, name: str, closest: float) -> bool:
+        """Return whether a closest approach [m] has not been called yet, or has changed."""
+        least = LEAST * self.rules.cpa_m
+        before = self.called.get(name)
+        if before is None:
+            return True
+        change: float = abs(max(closest, least) - max(before, least))
+        return change > AGAIN * max(before, least)
+
+    def account(self) -> str:
+        """Return the closest that each ship has been, in words."""
+        found = sorted(self.closest.items(), key=lambda item: item[1])
+        step = self.contacts.step if self.contacts else 1.0
+        return ", ".join(f"{name} {m:.0f} m (at {tick * step:g} s)" for name, (m, tick) in found)
+
+
+def _meets(
+    hull: OwnHull, ship: Ship, poses: tuple[Pose, Pose], places: tuple[Numbers, Numbers]
+) -> bool:
+    """Return whether the boat touches a ship between two poses, and two places of the ship."""
+    (before, now), (start, end) = poses, places
+    way = np.array(now[:3]) - np.array(before[:3])
+    way[:2] -= end[:2] - start[:2]
+    looks = hull.looks(float(np.linalg.norm(way)), ship.type)
+    for share in ((i + 1) / looks for i in range(looks)):
+        there = (start + share * (end - start)).tolist()
+        if hull.touches(before.towards(now, share), ship.type, *there):
+            return True
+    return False
+
+
+def _words(ships: tuple[Ship, ...], name: str) -> str:
+    """Return what kind of ship has a name."""
+    return next(f"a {ship.kind}" for ship in ships if ship.name == name)
+
+
+def _call(ship: Ship, seen: Plot) -> str:
+    """Return the words of a closest approach foreseen."""
+    minutes, seconds = divmod(round(float(seen.until)), 60)
+    told = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
+    bearing = round(math.degrees(float(seen.bearing))) % 360
+    turning = ", turning" if seen.turning else ""
+    return (
+        f"CLOSEST APPROACH: {ship.name} {float(seen.closest):.0f} m in {told}{turning}; "
+        f"now {bearing:03d} at {float(seen.range):.0f} m"
+    )

@@ -1,0 +1,159 @@
+"""Messages of AIS (ITU-R M.1371) in the sentences VDM and VDO of NMEA 0183.
+
+    sentence  = "!AIVDM," parts "," part "," [ sequence ] "," channel "," payload "," fill "*" hh
+    payload   = characters of six bits each, the most significant bit first
+    fill      = the bits, 0 to 5, that fill up the last character
+
+Numbers are two's complement where they have a sign. What is not available has a value of its own.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import Final, NamedTuple
+
+from trainer.io.orders.sentences import checksum
+
+BITS: Final = 6  # of a character
+LONGEST: Final = 60  # [characters] of the payload of one sentence
+POSITION_A, STATIC_A, POSITION_B, STATIC_B = 1, 5, 18, 24
+SPEED_NONE, COURSE_NONE, HEADING_NONE, TURN_NONE = 1023, 3600, 511, -128
+LONGITUDE_NONE, LATITUDE_NONE = 181 * 600_000, 91 * 600_000
+FASTEST: Final = 1022  # [0.1 kn] that and above
+TURN: Final = 4.733  # of the root of the rate [deg/min]
+STEEPEST: Final = 126  # the greatest rate of turn
+STATUS: Final = {  # navigational status by what a ship does
+    "under way": 0,
+    "at anchor": 1,
+    "adrift": 2,  # not under command
+    "fishing": 7,
+    "trawling": 7,
+    "sailing": 8,
+}
+
+Field = tuple[int, int]  # value and bits
+
+
+class Report(NamedTuple):
+    """What a transponder tells of a moment: degrees, knots, degrees a minute."""
+
+    mmsi: int
+    latitude: float
+    longitude: float
+    speed: float
+    course: float
+    heading: float
+    turning: float
+    second: int  # of the minute, UTC
+    status: int = 0
+
+
+class Particulars(NamedTuple):
+    """What a transponder tells of its ship; lengths in metres from the antenna."""
+
+    mmsi: int
+    name: str
+    kind: int
+    bow: int
+    stern: int
+    port: int
+    starboard: int
+    draught: float = 0.0
+    call_sign: str = ""
+
+
+def payload(fields: Iterable[Field]) -> tuple[str, int]:
+    """Return the characters of fields, and the bits that fill up the last one."""
+    bits = "".join(f"{value & (1 << size) - 1:0{size}b}" for value, size in fields)
+    fill = -len(bits) % BITS
+    bits += "0" * fill
+    sixes = (int(bits[i : i + BITS], 2) for i in range(0, len(bits), BITS))
+    return "".join(chr(six + 48 if six < 40 else six + 56) for six in sixes), fill
+
+
+def text(words: str, characters: int) -> list[Field]:
+    """Return a text of so many characters, what AIS cannot write as blanks, padded with @."""
+    known = [c if " " <= c <= "_" else " " for c in words.upper()[:characters]]
+    return [(ord(c) & 63, BITS) for c in "".join(known).ljust(characters, "@")]
+
+
+def sentences(fields: Iterable[Field], channel: str, sequence: int, kind: str = "VDM") -> list[str]:
+    """Return the sentences of a message; ``sequence`` (0 to 9) joins those of one in parts."""
+    characters, fill = payload(fields)
+    parts = [characters[i : i + LONGEST] for i in range(0, len(characters), LONGEST)]
+    joined = str(sequence) if len(parts) > 1 else ""
+    found = []
+    for i, part in enumerate(parts, start=1):
+        left = fill if i == len(parts) else 0
+        body = f"AI{kind},{len(parts)},{i},{joined},{channel},{part},{left}"
+        found.append(f"!{body}*{checksum(body):02X}")
+    return found
+
+
+def position_a(seen: Report) -> list[Field]:
+    """Return message 1, the position report of a ship with class A."""
+    return [
+        *_head(POSITION_A, seen.mmsi),
+        *((seen.status, 4), (rate_of_turn(seen.turning), 8), (_speed(seen.speed), 10), (0, 1)),
+        *_place(seen),
+        *((round(seen.heading) % 360, 9), (seen.second, 6)),
+        *((0, 2), (0, 3), (0, 1), (0, 19)),
+    ]
+
+
+def position_b(seen: Report) -> list[Field]:
+    """Return message 18, the position report of a small ship with class B."""
+    return [
+        *_head(POSITION_B, seen.mmsi),
+        *((0, 8), (_speed(seen.speed), 10), (0, 1)),
+        *_place(seen),
+        *((round(seen.heading) % 360, 9), (seen.second, 6), (0, 2)),
+        # carrier sense, no display, no selective calling, whole band, message 22, not assigned
+        *((1, 1), (0, 1), (0, 1), (1, 1), (1, 1), (0, 1), (0, 1), (0, 20)),
+    ]
+
+
+def static_a(ship: Particulars) -> list[Field]:
+    """Return message 5, name, kind and sizes of a ship with class A."""
+    return [
+        *_head(STATIC_A, ship.mmsi),
+        *((2, 2), (0, 30)),
+        *(*text(ship.call_sign, 7), *text(ship.name, 20), (ship.kind, 8)),
+        *_sizes(ship),
+        *((1, 4), (0, 4), (0, 5), (24, 5), (60, 6)),
+        *((min(round(10.0 * ship.draught), 255), 8), *text("", 20), (0, 1), (0, 1)),
+    ]
+
+
+def static_b(ship: Particulars) -> tuple[list[Field], list[Field]]:
+    """Return messages 24 A and B, name, kind and sizes of a small ship with class B."""
+    head = _head(STATIC_B, ship.mmsi)
+    part_a = [*head, (0, 2), *text(ship.name, 20), (0, 8)]
+    vendor = [*text("", 3), (0, 4), (0, 20)]
+    part_b = [*head, (1, 2), (ship.kind, 8), *vendor, *text(ship.call_sign, 7), *_sizes(ship)]
+    return part_a, [*part_b, (0, 6)]
+
+
+def rate_of_turn(degrees_a_minute: float) -> int:
+    """Return a rate of turn as a transponder tells it: its root, with the rate's sign."""
+    size = min(round(TURN * abs(degrees_a_minute) ** 0.5), STEEPEST)
+    return -size if degrees_a_minute < 0.0 else size
+
+
+def _head(kind: int, mmsi: int) -> Sequence[Field]:
+    """Return type, repeat indicator and number."""
+    return (kind, 6), (0, 2), (mmsi, 30)
+
+
+def _place(seen: Report) -> Sequence[Field]:
+    """Return longitude, latitude and course."""
+    longitude, latitude = round(seen.longitude * 600_000), round(seen.latitude * 600_000)
+    return (longitude, 28), (latitude, 27), (round(10.0 * seen.course) % 3600, 12)
+
+
+def _speed(knots: float) -> int:
+    return min(round(10.0 * knots), FASTEST)
+
+
+def _sizes(ship: Particulars) -> Sequence[Field]:
+    """Return how far bow, stern and sides are from the antenna."""
+    ends = (min(ship.bow, 511), 9), (min(ship.stern, 511), 9)
+    return *ends, (min(ship.port, 63), 6), (min(ship.starboard, 63), 6)
