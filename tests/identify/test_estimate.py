@@ -353,7 +353,7 @@ def test_deviations_and_correlations_by_hand() -> None:
     assert known.flat == ()
 
 
-def test_intervals_of_variances_and_sure_coefficients_are_by_the_logarithm() -> None:
+def test_intervals_of_variances_are_by_the_logarithm_and_of_sure_coefficients_by_both() -> None:
     free = ("a1", "c1", "f2", "R1_1", "R2_v")
     truth = {"a1": 2.0, "c1": 0.2, "R1_1": 1e-4, "R2_v": 0.01}
     sway = Rehearsal("2", Ship(160.93, 4.5), ("sway",), 6.0, truth, free, {})
@@ -361,7 +361,7 @@ def test_intervals_of_variances_and_sure_coefficients_are_by_the_logarithm() -> 
     # a1 is known to a quarter, c1 not even by its sign, R1_1 to two thirds, R2_v is lost
     theta = np.array([2.0, -0.2, 1.0, 1e-4, 0.01])
     found = intervals(problem, theta, np.array([0.5, 0.3, 1.0, 1e-4 / 1.5, np.nan]))
-    assert found[0] == pytest.approx([2.0 / 1.63230, 2.0 * 1.63230], rel=1e-5)  # exp(1.96/4)
+    assert found[0] == pytest.approx([2.0 - 0.979982, 2.0 * 1.63230], rel=1e-5)  # exp(1.96/4)
     assert found[1] == pytest.approx([-0.2 - 0.587989, -0.2 + 0.587989], rel=1e-5)
     assert found[2] == pytest.approx([1.0 - 1.959964, 1.0 + 1.959964], rel=1e-5)
     assert found[3] == pytest.approx([1e-4 / 3.69375, 1e-4 * 3.69375], rel=1e-5)  # exp(1.96/1.5)

@@ -37,6 +37,8 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     "time": Quantity("tick", TIME, "since the start of the run"),
     "depth": Quantity("z", LENGTH, "of the boat's origin"),
     "depth_rate": Quantity("zdot", RATE, "positive going down"),
+    "north": Quantity("x", LENGTH, "of the start"),
+    "east": Quantity("y", LENGTH, "of the start"),
     "speed": Quantity("u", SPEED, "ahead through the water"),
     "pitch": Quantity("theta", ANGLE, "positive bow up"),
     "heel": Quantity("phi", ANGLE, "positive to starboard"),

@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.likelihood import likelihood_sums
+from trainer.identify.kernels.likelihood import is_possible, likelihood_sums
 from trainer.identify.kernels.sensitivity import score_rows
 from trainer.identify.problem import Problem
 from trainer.identify.sampled import Sampled
@@ -22,14 +22,7 @@ PIECE: Final = 256  # rows
 
 def possible(sampled: Sampled) -> bool:
     """Return whether the system is finite and P(t0) of the first row positive semidefinite."""
-    mean, noise, start = sampled.mean[0], sampled.noise[0], sampled.start[0]
-    if not (np.isfinite(mean).all() and np.isfinite(noise).all() and np.isfinite(start).all()):
-        return False
-    P = start[:, 1:].real
-    if not P.any():
-        return True
-    width = np.sqrt(np.maximum(np.diag(P), 1e-300))
-    return bool(np.linalg.eigvalsh(P / np.outer(width, width))[0] > -1e-9)
+    return bool(is_possible(*sampled.at(0)))
 
 
 def _gram(rows: Numbers) -> Numbers:
@@ -47,7 +40,7 @@ class Score(NamedTuple):
 
     cost: float
     gradient: Numbers
-    rows: tuple[tuple[Numbers, Numbers], ...]  # of each run
+    rows: tuple[tuple[Numbers, Numbers], ...]  # of each run, as wide as Sampled.slopes
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +69,8 @@ class Likelihood:
             return np.full((len(theta), len(theta)), math.nan)
         total = np.zeros((len(theta), len(theta)))
         for rows, (_, at) in zip(score.rows, self.problem.runs, strict=True):
-            total[np.ix_(at, at)] += sum(map(_gram, rows))
+            for part in rows:
+                total[np.ix_(at, at)] += _gram(part)[: len(at), : len(at)]
         return total * np.outer(self.problem.scale, self.problem.scale)
 
     def _score(self, theta: Numbers) -> Score:
@@ -96,11 +90,11 @@ class Likelihood:
 
 def _cost(problem: Problem, theta: Numbers) -> float:
     """Return -log L of one run."""
-    sampled, samples = problem.sampled(theta), problem.samples
-    if not possible(sampled):
+    system, samples = problem.sampled(theta).at(0), problem.samples
+    if not is_possible(*system):
         return math.inf
     sums = np.empty(4)
-    likelihood_sums(*sampled.at(0), samples.table, samples.steps[1], sums)
+    likelihood_sums(*system, samples.table, samples.steps[1], sums)
     cost = 0.5 * (sums[0] + sums[1] + sums[3] * LOG_2_PI)
     return float(cost) if math.isfinite(cost) else math.inf
 
@@ -112,13 +106,15 @@ def _score(problem: Problem, theta: Numbers) -> Score:
     if not possible(sampled):
         return impossible
     length, readings = samples.outputs.shape
-    errors = np.empty((length, readings, count))
-    covariances = np.empty((length, readings * readings, count))
-    slope = np.empty(count)
+    slopes = sampled.slopes()
+    wide = slopes[0].shape[-1]
+    errors = np.empty((length, readings, wide))
+    covariances = np.empty((length, readings * readings, wide))
+    slope = np.empty(wide)
     out = errors, covariances, slope
-    stages, cost = score_rows(sampled.at(0), sampled.slopes(), samples.table, samples.steps[1], out)
+    stages, cost = score_rows(sampled.at(0), slopes, samples.table, samples.steps[1], out)
     if not stages:
         return impossible
     constant = 0.5 * np.count_nonzero(~np.isnan(samples.outputs)) * LOG_2_PI
-    rows = errors.reshape(-1, count), covariances[:stages].reshape(-1, count)
-    return Score(float(cost + constant), slope * problem.scale, (rows,))
+    rows = errors.reshape(-1, wide), covariances[:stages].reshape(-1, wide)
+    return Score(float(cost + constant), slope[:count] * problem.scale, (rows,))

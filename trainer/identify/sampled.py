@@ -13,6 +13,7 @@ from trainer.identify.kernels.sampling import Complexes, sample_instants, sample
 from trainer.identify.models import Blocks
 
 STEP: Final = 1e-100  # imaginary part that carries a derivative without rounding
+LANES: Final = 4  # numbers that a processor takes at a time
 
 
 def aside(theta: Numbers, free: Sequence[int]) -> Complexes:
@@ -77,12 +78,21 @@ class Sampled:
         return Sampled(*(None if x is None else x.astype(complex, copy=False) for x in parts))  # type: ignore[arg-type]
 
     def slopes(self) -> tuple[Numbers, Numbers, Numbers]:
-        """Return the derivatives of mean, noise and start, parameters last, from rows 1 on."""
+        """Return the derivatives of mean, noise and start, parameters last, from rows 1 on.
+
+        Zeros fill up to a whole number of LANES: loops over parameters then have no rest.
+        """
         parts = (self.mean[1:], self.noise[1:], self.start[1:])
-        mean, noise, start = (
-            np.ascontiguousarray(np.moveaxis(part.imag, 0, -1)) / STEP for part in parts
-        )
+        mean, noise, start = (_filled(np.moveaxis(part.imag, 0, -1) / STEP) for part in parts)
         return mean, noise, start
+
+
+def _filled(slopes: Numbers) -> Numbers:
+    """Return ``slopes`` with zeros after them, up to a whole number of LANES."""
+    count = slopes.shape[-1]
+    whole = np.zeros((*slopes.shape[:-1], count + -count % LANES))
+    whole[..., :count] = slopes
+    return whole
 
 
 def sample(blocks: Blocks, intervals: Numbers, sampling: str) -> Sampled:

@@ -142,10 +142,11 @@ RATIOS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")  # coefficients
 def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
     """Return 95 % intervals (f, 2) of parameters, some of them by the logarithm.
 
-    So it is of variances, and of coefficients whose sign is sure: gains and time constants are
-    their products and ratios. The deviation of such a number grows with it: twice as much to
-    either side would hold too little above, and too much below. A variance that is less than its
-    deviation is not told from nothing: its interval begins there.
+    So it is of variances: the deviation of such a number grows with it, and twice as much to
+    either side would hold too little above. A variance that is less than its deviation is not told
+    from nothing: its interval begins there. Coefficients whose sign is sure, of which gains and
+    time constants are products and ratios, have the wider end of both ways: next to a double root
+    they scatter further to either side than their deviation tells.
     """
     names = RATIOS if problem.plant.model.system is None else ()
     ratio = np.isin(problem.names, names) & (np.abs(theta) > WIDTH * deviations)
@@ -157,7 +158,9 @@ def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
     middle = np.where(above, np.abs(theta), theta)
     straight = middle[:, None] + WIDTH * deviations[:, None] * ways
     straight[above, 0] = np.maximum(straight[above, 0], 0.0)
-    return np.sort(np.where(scaled[:, None], factors, straight), axis=1)
+    found = np.sort(np.where(scaled[:, None], factors, straight), axis=1)
+    both = np.sort(np.hstack([factors, straight]), axis=1)[:, [0, 3]]
+    return np.where(ratio[:, None], both, found)
 
 
 Derived = Callable[[Numbers], Numbers]

@@ -6,12 +6,16 @@ Only the lower half of J is there; the row of a reading that was taken stays as 
 """
 
 import math
+from typing import Final
 
 import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.covariance_filter import Places, has_settled, predict, run_length
 from trainer.identify.kernels.kernel import clear, kernel, lean, part, put, put_block
+
+ABREAST: Final = 64  # samples
+SLACK: Final = 1e-9  # [-] of an eigenvalue
 
 
 @part
@@ -105,31 +109,90 @@ def _closed_filter(mean: Numbers, J: Numbers, states: int, out: Numbers) -> None
 
 
 @part
-def _run_settled(closed: Numbers, table: Numbers, z: Numbers, v: Numbers, sums: Numbers) -> int:
+def _turn_rows(table: Numbers, readings: int, out: Numbers) -> int:
+    """Write rows of the table as columns of ``out``, up to the first that lacks a reading.
+
+    Return how many.
+    """
+    count = min(table.shape[0], out.shape[1])
+    for k in range(count):
+        for j in range(table.shape[1]):
+            out[j, k] = table[k, j]
+        for j in range(readings):
+            if math.isnan(table[k, j]):
+                return k
+    return count
+
+
+@part
+def _drive(closed: Numbers, columns: Numbers, count: int, out: Numbers) -> None:
+    """Write what readings and inputs give to states and errors, ``count`` samples abreast."""
+    width = columns.shape[0]
+    for i in range(closed.shape[0]):
+        for k in range(count):
+            out[i, k] = closed[i, width]
+        for j in range(width):
+            share = closed[i, j]
+            for k in range(count):
+                out[i, k] += share * columns[j, k]
+
+
+@part
+def _run_states(closed: Numbers, first: int, z: Numbers, count: int, out: Numbers) -> None:
+    """Advance the states, one sample after the other; the first columns of errors have theirs."""
+    states = closed.shape[1] - first
+    for i in range(states, closed.shape[0]):
+        for j in range(states):
+            out[i, 0] += closed[i, first + j] * z[j]
+    for k in range(count):
+        for i in range(states):
+            for j in range(states):
+                out[i, k] += closed[i, first + j] * z[j]
+        for i in range(states):
+            z[i] = out[i, k]
+
+
+@part
+def _add_squares(
+    closed: Numbers, first: int, count: int, out: Numbers, squares: Numbers, sums: Numbers
+) -> None:
+    """Add the squares of the errors of ``count`` samples to ``sums``."""
+    states = closed.shape[1] - first
+    for k in range(count):
+        squares[k] = 0.0
+    for i in range(states, closed.shape[0]):
+        for j in range(states):
+            share = closed[i, first + j]
+            for k in range(1, count):
+                out[i, k] += share * out[j, k - 1]
+        for k in range(count):
+            squares[k] += out[i, k] * out[i, k]
+    for k in range(count):
+        sums[1] += squares[k]
+
+
+@part
+def _run_settled(
+    closed: Numbers, table: Numbers, z: Numbers, abreast: Numbers, sums: Numbers
+) -> int:
     """Return how many samples the settled filter takes until a reading is missing.
 
-    ``sums`` gains the squares of their errors, and ``z`` moves on.
+    ``sums`` gains the squares of their errors, and ``z`` moves on. Only the states wait for one
+    another; all else is computed ABREAST, in rows of ``abreast``.
     """
     width, rows = table.shape[1], closed.shape[0]
-    states = closed.shape[1] - width - 1
-    for k in range(table.shape[0]):
-        for i in range(rows):
-            total = closed[i, width]
-            for j in range(width):
-                total += closed[i, j] * table[k, j]
-            # the state last: the processor does meanwhile what does not wait for it
-            for j in range(states):
-                total += closed[i, width + 1 + j] * z[j]
-            v[i] = total
-        square = 0.0
-        for i in range(states, rows):
-            square += v[i] * v[i]
-        if math.isnan(square):
-            return k
-        sums[1] += square
-        for i in range(states):
-            z[i] = v[i]
-    return int(table.shape[0])
+    first = width + 1
+    columns, out, squares = abreast[:width], abreast[width : width + rows], abreast[width + rows]
+    taken = 0
+    while taken < table.shape[0]:
+        count = _turn_rows(table[taken:], rows - closed.shape[1] + first, columns)
+        if count == 0:
+            break
+        _drive(closed, columns, count, out)
+        _run_states(closed, first, z, count, out)
+        _add_squares(closed, first, count, out, squares, sums)
+        taken += count
+    return taken
 
 
 @lean
@@ -138,13 +201,13 @@ def _filter(
     table: Numbers,
     which: Places,
     kept: tuple[Numbers, Numbers],
-    work: tuple[Numbers, Numbers, Numbers, Numbers],
+    work: tuple[Numbers, Numbers, Numbers, Numbers, Numbers],
     sums: Numbers,
 ) -> None:
     """Add the sums of the record to ``sums``, from the state z and covariance P ``kept`` on."""
     mean, noise = system
     z, P = kept
-    J, closed, half, v = work
+    J, closed, half, v, abreast = work
     states, readings = half.size, v.size - half.size
     k = 0
     while k < table.shape[0]:
@@ -163,7 +226,7 @@ def _filter(
         k += 1
         if constant and k < table.shape[0] and which[k] == which[k - 1]:
             _closed_filter(W, J, states, closed)
-            taken = _run_settled(closed, table[k : run_length(which, k)], z, v, sums)
+            taken = _run_settled(closed, table[k : run_length(which, k)], z, abreast, sums)
             sums[0] += taken * determinant
             sums[2] += taken
             sums[3] += taken * readings
@@ -185,6 +248,48 @@ def likelihood_sums(
     put(start[:, 0], 0, z)
     put_block(start[:, 1:], 0, P)
     closed = np.empty((rows, table.shape[1] + 1 + states))
-    work = np.empty((rows, rows)), closed, np.empty(states), np.empty(rows)
+    abreast = np.empty((table.shape[1] + rows + 1, ABREAST))
+    work = np.empty((rows, rows)), closed, np.empty(states), np.empty(rows), abreast
     clear(sums)
     _filter((mean, noise), table, which, (z, P), work, sums)
+
+
+@part
+def _are_finite(numbers: Numbers) -> bool:
+    """Return whether zero times each number is zero: whether all are finite."""
+    total = 0.0
+    for i in range(numbers.size):
+        total += 0.0 * numbers.flat[i]
+    return total == 0.0
+
+
+@part
+def _factor(P: Numbers, factor: Numbers) -> bool:
+    """Write the Cholesky factor of ``P``, its widths taken off, plus SLACK.
+
+    Return whether it has one: whether no eigenvalue of that matrix is below -SLACK.
+    """
+    for i in range(P.shape[0]):
+        for j in range(i + 1):
+            width = math.sqrt(max(P[i, i], 1e-300)) * math.sqrt(max(P[j, j], 1e-300))
+            total = P[i, j] / width + (SLACK if i == j else 0.0)
+            for k in range(j):
+                total -= factor[i, k] * factor[j, k]
+            if i > j:
+                factor[i, j] = total / factor[j, j]
+            elif total > 0.0:
+                factor[i, i] = math.sqrt(total)
+            else:
+                return False
+    return True
+
+
+@kernel
+def is_possible(mean: Numbers, noise: Numbers, start: Numbers) -> bool:
+    """Return whether a system is finite and its first covariance positive semidefinite."""
+    states = start.shape[0]
+    P, factor = np.empty((states, states)), np.empty((states, states))
+    for i in range(states):
+        for j in range(states):
+            P[i, j] = start[i, 1 + j]
+    return _are_finite(mean) and _are_finite(noise) and _are_finite(start) and _factor(P, factor)

@@ -135,9 +135,24 @@ def _gain_slopes(J: Numbers, dJ: Numbers, states: int, line: Numbers) -> None:
 
 
 @part
-def _mean_slopes(mean: Numbers, slopes: Numbers, z: Numbers, dx: Numbers, out: Numbers) -> None:
-    """Write dv = dW z + W_x dx to ``out`` (x+y, p)."""
+def _find_used(slopes: Numbers, used: Mask) -> None:
+    """Write which entries of the systems' matrices (m, x+y, x+2u+1) any parameter changes."""
+    for m in range(used.shape[0]):
+        for i in range(used.shape[1]):
+            for j in range(used.shape[2]):
+                used[m, i, j] = False
+                for q in range(slopes.shape[3]):
+                    if slopes[m, i, j, q] != 0.0:
+                        used[m, i, j] = True
+
+
+@part
+def _mean_slopes(
+    mean: Numbers, slopes: tuple[Numbers, Mask], z: Numbers, dx: Numbers, out: Numbers
+) -> None:
+    """Write dv = dW z + W_x dx to ``out`` (x+y, p). ``slopes`` says which of its rows are used."""
     rows, count = out.shape
+    dW, used = slopes
     for i in range(rows):
         for q in range(count):
             out[i, q] = mean[i, 0] * dx[0, q]
@@ -145,8 +160,9 @@ def _mean_slopes(mean: Numbers, slopes: Numbers, z: Numbers, dx: Numbers, out: N
             for q in range(count):
                 out[i, q] += mean[i, j] * dx[j, q]
         for j in range(z.size):
-            for q in range(count):
-                out[i, q] += slopes[i, j, q] * z[j]
+            if used[i, j]:
+                for q in range(count):
+                    out[i, q] += dW[i, j, q] * z[j]
 
 
 @part
@@ -227,7 +243,7 @@ def _rows(
     system: tuple[Numbers, Numbers, Numbers, Numbers],
     samples: tuple[Numbers, Places],
     now: tuple[Numbers, Numbers, Numbers, Numbers],
-    work: tuple[tuple[Numbers, ...], tuple[Numbers, ...], Mask],
+    work: tuple[tuple[Numbers, ...], tuple[Numbers, ...], tuple[Mask, Mask]],
     out: tuple[Numbers, Numbers, Numbers],
 ) -> tuple[int, float]:
     """Return and write as ``score_rows`` does.
@@ -237,7 +253,7 @@ def _rows(
     mean, noise, d_mean, d_noise = system
     table, which = samples
     z, P, dx, dP = now
-    (half, v, error, U, J, squares), (dJ, d_half, dv, lines), there = work
+    (half, v, error, U, J, squares), (dJ, d_half, dv, lines), (there, used) = work
     errors, covariances, slope = out
     rows, states, readings = v.size, P.shape[0], error.size
     stages, counted, constant, cost, determinant = 0, 0, False, 0.0, 0.0
@@ -245,7 +261,7 @@ def _rows(
         W, dW = mean[which[k]], d_mean[which[k]]
         put(table[k, readings:], states, z)
         predict(W, z, v)
-        _mean_slopes(W, dW, z, dx, dv)
+        _mean_slopes(W, (dW, used[which[k]]), z, dx, dv)
         residual(table[k], v, error, there)
         constant = constant and all_there(there) and which[k] == which[k - 1]
         if not constant:
@@ -306,6 +322,8 @@ def score_rows(
     plain = half, v, error, U, np.empty((rows, rows)), squares
     d_half, lines = np.empty((rows, states, count)), np.empty((max(3, readings), count))
     sloped = np.empty((rows, rows, count)), d_half, np.empty((rows, count)), lines
-    work = plain, sloped, np.empty(readings, np.bool_)
+    used = np.empty((mean.shape[0], rows, columns), np.bool_)
+    _find_used(d_mean, used)
+    work = plain, sloped, (np.empty(readings, np.bool_), used)
     clear(out[2])
     return _rows((mean, noise, d_mean, d_noise), (table, which), (z, P, dx, dP), work, out)
