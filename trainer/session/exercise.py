@@ -18,6 +18,7 @@ from typing import Final
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.limits import deep, showing
+from trainer.boat.world.scope import eye_height
 from trainer.config.condition import QUANTITIES, Condition, Loss
 from trainer.config.files import ConfigError
 
@@ -89,6 +90,8 @@ def quantity_of(boat: Boat, name: str) -> float:
     """Return a quantity of a condition [SI] as it is. NaN if the boat lacks it."""
     if name == "showing":
         return -math.inf if deep(boat) else showing(boat)
+    if name == "eye":
+        return eye_height(boat)
     if name == "course":
         return boat.plain[PLACES["psi"]] % math.tau
     if name == "heavy":

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.crew_orders import AXES
+from trainer.boat.world.scope import Mast, periscope_of
 from trainer.config.condition import ANGLE, DERIVED, QUANTITIES, Condition
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
@@ -20,7 +21,7 @@ from trainer.config.score_rules import Measured, Rule
 from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.state import CASUALTIES
-from trainer.io.recording.recording import Flown, Journalled, Recording
+from trainer.io.recording.recording import Flown, Journalled, Noted, Recording
 from trainer.session.layout import numbers_of
 
 Rows = NDArray[np.bool_]  # which ticks of a passage
@@ -60,6 +61,7 @@ class Trajectory:
     columns: Mapping[str, Numbers]  # places of the state [SI] by their names in the core
     lateness: Numbers  # [ns], NaN where nobody measured it
     work: Numbers  # [ns]
+    marks: tuple[Noted, ...] = ()  # moments that somebody has marked
 
     @property
     def seconds(self) -> Numbers:
@@ -145,15 +147,30 @@ def showing(trajectory: Trajectory) -> Numbers:
     return lifted - column["z"] - column["eta_wave"]
 
 
+def eye_heights(trajectory: Trajectory) -> Numbers:
+    """Return the height [m] of the periscope's head over the waves, NaN for a boat without one."""
+    scope, column = periscope_of(trajectory.boat), trajectory.columns
+    if scope is None:
+        return np.full(trajectory.ticks.size, np.nan)
+    x, foot = scope.head(Mast())
+    out = np.array([scope.at(tick).out for tick in trajectory.ticks.tolist()])
+    upright = np.cos(column["theta"]) * np.cos(column["phi"])
+    lifted = x * np.sin(column["theta"]) - (foot - out) * upright
+    return np.asarray(lifted - column["z"] - column["eta_wave"])
+
+
 DERIVE: Final[Mapping[str, Callable[[Trajectory], Numbers]]] = {
     COURSE: lambda trajectory: trajectory.columns["psi"],  # not wrapped
     "heavy": heaviness,
+    "eye": eye_heights,
     "showing": showing,
 }
 
 
 def has(boat: Boat, quantity: str) -> bool:
     """Return whether a boat has what a quantity is about."""
+    if quantity == "eye":
+        return boat.file.scope is not None
     return quantity in DERIVED or scale_of(boat, quantity) != 0.0
 
 

@@ -145,9 +145,7 @@ def _lamps(target: Target, aspect: float, distance: float, eye: float) -> Iterab
         shows = width >= math.tau or off <= width
         if shows and distance <= light.range_nm * MILE and light.height > least:
             beside = light.starboard * math.cos(aspect) - light.ahead * math.sin(aspect)
-            yield Lamp(
-                light.colour, -beside / distance, elevation(light.height, distance, eye)
-            )
+            yield Lamp(light.colour, -beside / distance, elevation(light.height, distance, eye))
 
 
 def stadimeter(height: float, sight: Sight, power: float) -> float | None:
@@ -235,6 +233,13 @@ class Periscope:
         seen = [sight for ship in ships if (sight := look_at(ship, eye))]
         return sorted(seen, key=attrgetter("distance"))
 
+    def near(self, s: Any, tick: int) -> list[tuple[str, float]]:
+        """Return each ship at a tick and its true bearing [rad] from the boat, seen or not."""
+        return [
+            (ship.name, math.atan2(ship.east - float(s["y"]), ship.north - float(s["x"])))
+            for ship in targets(self._boat, tick)
+        ]
+
     def obey(self, order: Order, tick: int) -> Reply:
         """Raise, lower or train it, change its power, or tell a distance."""
         if self._fitted is None:
@@ -297,6 +302,18 @@ class Periscope:
 def field_of(power: float) -> float:
     """Return the width [deg] of the view at a power."""
     return math.degrees(FIELDS[power])
+
+
+def periscope_of(boat: Any) -> Periscope | None:
+    """Return a boat's periscope, None where it has none."""
+    found = boat.world.parts.get("scope")
+    return found if isinstance(found, Periscope) and found.fitted else None
+
+
+def eye_height(boat: Any) -> float:
+    """Return the height [m] of the head over the waves now. NaN for a boat without one."""
+    scope = periscope_of(boat)
+    return scope.height(scope.at(boat.ticks)) if scope else math.nan
 
 
 def targets(boat: Any, tick: int) -> Sequence[Target]:

@@ -138,7 +138,7 @@ def _cosines(at: Callable[[str], float]) -> tuple[Numbers, Numbers, Numbers]:
 
 @lru_cache(4)
 def components(gamma: float, seed: float) -> tuple[Numbers, Numbers, Numbers]:
-    """Return starting phases, frequencies and amplitudes of the cosine sum, as the core has them."""
+    """Return starting phases, frequencies and amplitudes of the cosine sum."""
     record = new_sea()
     prepare_sum(gamma, seed, record)
     work = record[0]
@@ -191,7 +191,10 @@ def _block(seed: int, bank: int, block: int) -> Waves:
     """Return the outputs of a bank at BLOCK internal steps."""
     first = block * BLOCK - MEMORY
     noise = np.array(
-        [gaussian_pair(seed, SEA_BANK + bank, pair) for pair in range(first // 2, first // 2 + HALF)]
+        [
+            gaussian_pair(seed, SEA_BANK + bank, pair)
+            for pair in range(first // 2, first // 2 + HALF)
+        ]
     ).ravel()
     return np.convolve(noise, _response(bank), "valid")
 

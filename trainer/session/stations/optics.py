@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
-from trainer.boat.world.scope import SHOWS, Eye, Mast, Periscope, Sight
+from trainer.boat.world.scope import SHOWS, Mast, Periscope, Sight, periscope_of
 from trainer.boat.world.swell import Swell, swell_round
 from trainer.session.stations.panels import Channel, Field, Value, compass, word
 from trainer.session.stations.view import Frame
@@ -19,8 +19,7 @@ MINUTES: Final = 60.0 * math.degrees(1.0)  # of arc in a radian
 
 def periscope(frame: Frame) -> Periscope | None:
     """Return the boat's periscope, None where it has none."""
-    found = frame.boat.world.parts.get("scope")
-    return found if isinstance(found, Periscope) and found.fitted else None
+    return periscope_of(frame.boat)
 
 
 def mast(frame: Frame) -> Mast | None:
@@ -43,7 +42,8 @@ def sights(frame: Frame) -> list[Sight]:
     if "sights" not in frame.kept:
         place = scope.place(frame, stands, frame.height(*scope.head(stands)))
         frame.kept["sights"] = scope.sights(place, stands)
-    return frame.kept["sights"]
+    found: list[Sight] = frame.kept["sights"]
+    return found
 
 
 def of_mast(read: Callable[[Mast, Frame], Value]) -> Callable[[Frame], Value]:
@@ -164,7 +164,9 @@ SWELL: Final = Channel(
         Field("height", "m", 3, of_swell(lambda swell: swell.height), packed=True),
         Field("number", "1/m", 6, of_swell(lambda swell: swell.number), packed=True),
         Field("rate", "rad/s", 5, of_swell(lambda swell: swell.omega), packed=True),
-        Field("towards", "deg", 2, of_swell(lambda swell: math.degrees(swell.towards)), packed=True),
+        Field(
+            "towards", "deg", 2, of_swell(lambda swell: math.degrees(swell.towards)), packed=True
+        ),
         Field("ahead", "m/s", 2, of_swell(lambda swell: swell.ahead), packed=True),
         Field("right", "m/s", 2, of_swell(lambda swell: swell.right), packed=True),
         Field("clock", "-", 4, of_swell(lambda swell: swell.clock), packed=True),
