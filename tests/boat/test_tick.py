@@ -32,11 +32,11 @@ def test_the_tick_is_compiled_by_the_first_boat_that_takes_one(
     boat = make_boat()
     boat.start(5.0, 60.0, 0.0)
 
-    assert "tick" not in vars(boat)  # until then nobody has been told that it takes its time
+    assert "advance" not in vars(boat)  # until then nobody has been told that it takes its time
 
     boat.tick()
 
-    assert "tick" in vars(boat)
+    assert "advance" in vars(boat)
 
 
 def test_two_boats_do_not_sail_in_each_other_s_records(make_boat: Callable[..., Boat]) -> None:

@@ -107,6 +107,33 @@ class Points:
 
 
 @dataclass(frozen=True)
+class Mmsi:
+    """A whole number of nine digits."""
+
+    meaning: str
+    low: int = 100_000_000
+    high: int = 999_999_999
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "-", f"{self.low} to {self.high}", self.meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return {"type": "integer", "minimum": self.low, "maximum": self.high}
+
+    def read(self, key: str, value: object, place: Place) -> int:
+        """Return the number; ConfigError if it is not whole, or has not nine digits."""
+        whole = isinstance(value, int) and not isinstance(value, bool)
+        if not (whole and isinstance(value, int) and self.low <= value <= self.high):
+            told = f"must be a whole number, {self.low} to {self.high}"
+            raise ConfigError(place.wrong(key, value, told))
+        return value
+
+
+@dataclass(frozen=True)
 class LegSpeeds:
     """One number for all legs, or a list with one for each."""
 
@@ -140,9 +167,7 @@ class ContactRow:
 
     name: str = of(Text(16, "as orders name it: small letters, digits and hyphens"))
     type: str = of(Choice(tuple(TYPES), "kind of ship: sizes, lights, what AIS calls it"))
-    mmsi: float | None = optional(
-        Quantity("-", within(100_000_000, 999_999_999), "its number in AIS; else it has none")
-    )
+    mmsi: int | None = optional(Mmsi("its number in AIS; else it has no transponder"))
     points: tuple[tuple[float, float], ...] = of(
         Points("way points, north and east of the start's origin; one: it lies, or keeps a course")
     )
@@ -264,8 +289,6 @@ def _faults(contact: Contact) -> list[str]:
     if not NAMED.fullmatch(row.name) or row.name in RESERVED:
         told = "must be small letters, digits and hyphens, a letter first, and not add"
         found.append(place.wrong("name", row.name, told))
-    if row.mmsi is not None and row.mmsi != int(row.mmsi):
-        found.append(place.wrong("mmsi", row.mmsi, "must be a whole number of nine digits"))
     if isinstance(row.speed_kn, tuple) and len(row.speed_kn) != contact.legs:
         found.append(
             place.wrong("speed_kn", [*row.speed_kn], f"must be one number, or {contact.legs}")
@@ -296,6 +319,5 @@ def _twice(found: list[Contact]) -> list[str]:
         given = [(getattr(each.row, key), each.place) for each in found]
         for i, (value, place) in enumerate(given):
             if value is not None and value in [before for before, _ in given[:i]]:
-                told = int(value) if key == "mmsi" else value
-                problems.append(place.wrong(key, told, "another [[contact]] has it"))
+                problems.append(place.wrong(key, value, "another [[contact]] has it"))
     return problems

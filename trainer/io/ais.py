@@ -7,6 +7,7 @@
 Numbers are two's complement where they have a sign. What is not available has a value of its own.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
 
@@ -134,7 +135,7 @@ def static_b(ship: Particulars) -> tuple[list[Field], list[Field]]:
 
 def rate_of_turn(degrees_a_minute: float) -> int:
     """Return a rate of turn as a transponder tells it: its root, with the rate's sign."""
-    size = min(round(TURN * abs(degrees_a_minute) ** 0.5), STEEPEST)
+    size: int = min(round(TURN * math.sqrt(abs(degrees_a_minute))), STEEPEST)
     return -size if degrees_a_minute < 0.0 else size
 
 

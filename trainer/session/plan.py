@@ -11,6 +11,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
+from trainer.boat.world.encounters import refuse_touching
 from trainer.boat.world.world import world_of
 from trainer.config.baseline import Baseline, kept_baseline
 from trainer.config.casualties import Casualty, load_casualties
@@ -109,6 +110,7 @@ class Plan:
         boat.start(speed * KNOT, depth, course, self.seed)
         boat.put_to_sea(self.sea)
         boat.world = world_of(boat, self.world)
+        refuse_touching(boat)
         self._put_out_of_trim(boat)
         boat.casualties = self.casualties
         for entry in self.armed:

@@ -11,7 +11,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from trainer.boat.world.hulls import Pose
 from trainer.boat.world.lights import Light, lights_of
+from trainer.boat.world.ship_force import Pull
 from trainer.boat.world.tracks import (
     Piece,
     Situation,
@@ -25,7 +27,7 @@ from trainer.boat.world.tracks import (
     unreached,
 )
 from trainer.config.contacts import MOST, NAMED, TYPES, Contact, Encounters, ShipType
-from trainer.config.files import ConfigError, nearest
+from trainer.config.files import ConfigError, collecting, nearest
 from trainer.config.world import WorldTables
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -109,13 +111,15 @@ class Contacts:
         """Have the ships of an exercise; ConfigError on a way that none can go."""
         self.encounters = encounters
         self.step = float(boat.method.step)
-        self._first = Fleet({each.row.name: _ship_of(each) for each in ships})
+        self.given = tuple(ships)
+        self._first = fleet_of(ships)
         self._fleets: tuple[tuple[int, Fleet], ...] = ((0, self._first),)
+        self._pull = Pull(boat) if encounters.force == "on" else None
 
     @property
     def acts(self) -> bool:
         """Return whether ships pull at the boat."""
-        return False
+        return self._pull is not None and self.any
 
     @property
     def any(self) -> bool:
@@ -164,6 +168,12 @@ class Contacts:
 
     def write(self, state: Any) -> None:
         """Write the pull of the ships near for the tick that comes."""
+        if self._pull is None:
+            return
+        tick = int(state["tick"])
+        rows = zip(self.fleet(tick).order, *(each.tolist() for each in self.at(tick)), strict=True)
+        ships = [(ship.type, *row[:4]) for ship, *row in rows]
+        state["ship_force"][:] = self._pull.on(Pose.of(state), ships)
 
     def _change(self, tick: int, ships: dict[str, Ship], reply: str) -> str:
         self._fleets = (*self._fleets, (tick, Fleet(ships)))
@@ -218,11 +228,22 @@ def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> str
     return f"a {kind} makes {fastest.fastest_kn:g} kn" if speed > fastest.fastest + 1e-9 else ""
 
 
+def fleet_of(ships: Sequence[Contact]) -> Fleet:
+    """Return the ships of an exercise; ConfigError with all ways that none can go."""
+    problems: list[str] = []
+    found = {}
+    for each in ships:
+        with collecting(problems):
+            found[each.row.name] = _ship_of(each)
+    if problems:
+        raise ConfigError(*problems)
+    return Fleet(found)
+
+
 def _ship_of(contact: Contact) -> Ship:
     """Return a ship of the exercise; ConfigError if its way cannot be gone."""
     row = contact.row
-    mmsi = None if row.mmsi is None else int(row.mmsi)
-    return Ship(row.name, row.type, contact.status, mmsi, way_of(contact))
+    return Ship(row.name, row.type, contact.status, row.mmsi, way_of(contact))
 
 
 def way_of(contact: Contact) -> Way:

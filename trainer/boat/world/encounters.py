@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.world.contacts import Contacts, Ship, contacts_in
-from trainer.boat.world.hulls import OwnHull, Pose
+from trainer.boat.world.hulls import OwnHull, Pose, overlap
 from trainer.boat.world.tracks import Situation, situation
 from trainer.config.contacts import Encounters
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 
 STILL: Final = 0.1  # [m/s] of relative speed, below which there is no time of closest approach
@@ -51,6 +52,30 @@ class Plot(NamedTuple):
     closest: Numbers  # foreseen
     until: Numbers  # [s] from now; below zero: past, NaN: there is no such time
     turning: NDArray[np.bool_]  # whether straight lines do not hold
+
+
+def refuse_touching(boat: Any) -> None:
+    """Raise ConfigError if a ship starts in the boat's hull, or in another ship's."""
+    contacts = contacts_in(boat)
+    if contacts is None or not contacts.given:
+        return
+    hull, pose, there = OwnHull.of(boat), Pose.of(boat.state), contacts.at(0)
+    rows = list(zip(*(each.tolist() for each in there[:3]), strict=True))
+    lying = [(*row, each.type) for row, each in zip(rows, contacts.given, strict=True)]
+    problems = []
+    for i, (contact, (north, east, course, kind)) in enumerate(
+        zip(contacts.given, lying, strict=True)
+    ):
+        told = f"points[0] = [{north:g}, {east:g}]: {contact.row.name} starts in "
+        if hull.touches(pose, kind, north, east, course):
+            problems.append(contact.place.problem(f"{told}the boat's own hull"))
+        problems += [
+            contact.place.problem(f"{told}the hull of {other.row.name}")
+            for other, its in zip(contacts.given[:i], lying[:i], strict=True)
+            if overlap((north, east, course, kind), its)
+        ]
+    if problems:
+        raise ConfigError(*problems)
 
 
 def closest_approach(

@@ -68,7 +68,7 @@ class OwnHull:
 
     def placed(self, pose: Pose) -> Numbers:
         """Return the centres [m] north, east and down of the origin, a row each."""
-        placed: Numbers = self.centres @ _axes(pose).T + np.array(pose[:3])
+        placed: Numbers = self.centres @ axes_of(pose).T + np.array(pose[:3])
         return placed
 
     def touches(self, pose: Pose, ship: ShipType, north: float, east: float, course: float) -> bool:
@@ -93,7 +93,7 @@ class OwnHull:
         return range_m > around or depth - self.reach - way > ship.draught
 
 
-def _axes(pose: Pose) -> Numbers:
+def axes_of(pose: Pose) -> Numbers:
     """Return the matrix from body axes to north, east and down."""
     cos_h, sin_h = math.cos(pose.heel), math.sin(pose.heel)
     cos_p, sin_p = math.cos(pose.pitch), math.sin(pose.pitch)

@@ -35,6 +35,8 @@ from trainer.session.nmea.sentences import (
     choose_instruments,
     widest,
 )
+from trainer.session.nmea.transponders import NAME as AIS
+from trainer.session.nmea.transponders import Transponders
 from trainer.session.options import RunOptions
 from trainer.session.ports import PATIENCE, Ports
 from trainer.session.stations.access import Access
@@ -45,6 +47,8 @@ from trainer.session.stations.view import Picture
 PORT: Final = 10110  # the customary one
 SILENCE: Final = 1.0  # [s] at most: displays blank what they do not hear of
 BITS: Final = 10  # of a byte on a serial line
+CHOICES: Final = (*NAMES, AIS)  # of --nmea-sentences
+HEARD_AT_ONCE: Final = 100  # AIS sentences that may wait for a line, beside the sets
 FEWEST: Final = 2  # sets that may wait for a serial line; more, if a second has more
 UNTIMED: Final = ("socket",)  # kinds of serial line that have no baud rate
 PLACE: Final = re.compile(r"(?:\[([^\]]+)\]|([^:\[\]]*))(?::([0-9]{1,5}))?", re.ASCII)
@@ -72,16 +76,19 @@ class Outlets:
     chart: Chart
     start: datetime
     orders: bool = True  # are taken at TCP ports of this machine
+    ais: bool = True  # of ships near is sent too
 
     @property
     def backlog(self) -> int:
         """Return how many sentences may wait for a line. An older one is of no use."""
-        return max(FEWEST, math.ceil(self.rate)) * len(self.instruments)
+        heard = HEARD_AT_ONCE if self.ais else 0
+        return max(FEWEST, math.ceil(self.rate)) * len(self.instruments) + heard
 
     @property
     def shown(self) -> InstrumentSet:
         """Return the display of the instruments."""
-        return InstrumentSet(self.instruments, self.chart, self.start)
+        receiver = Transponders(self.chart, self.start) if self.ais else None
+        return InstrumentSet(self.instruments, self.chart, self.start, receiver)
 
 
 def open_outlets(
@@ -91,11 +98,13 @@ def open_outlets(
     urls, path = options.nmea, options.nmea_record
     if not urls and path is None:
         return []
+    names = parse_names(options.nmea_sentences)
     outlets = Outlets(
-        choose_instruments(parse_names(options.nmea_sentences)),
+        choose_instruments(names),
         options.nmea_rate,
         origin(options.origin),
         start_of(recording),
+        ais=AIS in names,
     )
     outlets = replace(outlets, orders=options.nmea_orders or not options.token)
     stations = [open_outlet(ports, outlets, url, options.nmea_baud) for url in urls]
@@ -211,11 +220,11 @@ def local(host: str) -> bool:
 def parse_names(text: str | None) -> Sequence[str]:
     """Return the names of a list with commas, all for none; ConfigError naming the nearest."""
     if text is None:
-        return NAMES
+        return CHOICES
     names = [name.strip().upper() for name in text.split(",")]
     for name in names:
-        if name not in NAMES:
-            hint = nearest(name, NAMES) or f"; there are {','.join(NAMES)}"
+        if name not in CHOICES:
+            hint = nearest(name, CHOICES) or f"; there are {','.join(CHOICES)}"
             raise ConfigError(f"--nmea-sentences {text}: no sentence {name!r}{hint}")
     return names
 

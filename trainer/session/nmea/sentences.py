@@ -15,6 +15,7 @@ from trainer.session.nmea import fields as tell
 from trainer.session.nmea.fields import DILUTION, SATELLITES
 from trainer.session.nmea.position import Chart
 from trainer.session.nmea.readings import WIDEST, Readings, sight
+from trainer.session.nmea.transponders import Transponders
 from trainer.session.stations.view import Frame
 
 TALKER: Final = "IN"
@@ -245,16 +246,23 @@ def widest(instruments: Iterable[Instrument]) -> int:
 class InstrumentSet:
     """A display of frames: one set of sentences for each."""
 
-    def __init__(self, instruments: tuple[Instrument, ...], chart: Chart, start: datetime) -> None:
-        """Show those instruments of a session that began at ``start``, UTC."""
-        self._instruments = instruments
+    def __init__(
+        self,
+        instruments: tuple[Instrument, ...],
+        chart: Chart,
+        start: datetime,
+        receiver: Transponders | None = None,
+    ) -> None:
+        """Show those instruments of a session that began at ``start``, UTC; ``receiver`` is AIS."""
+        self._instruments, self._receiver = instruments, receiver
         self._chart = chart
         self._start = start
 
     def lines(self, frame: Frame) -> list[str]:
-        """Return the set of one tick."""
+        """Return the set of one tick, and what ships have sent since the last."""
         seen = sight(frame, self._chart, self._start)
-        return [instrument.sentence(seen) for instrument in self._instruments]
+        told = [instrument.sentence(seen) for instrument in self._instruments]
+        return told + self._receiver.lines(frame) if self._receiver else told
 
 
 class Sampled:

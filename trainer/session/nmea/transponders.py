@@ -1,0 +1,133 @@
+"""The transponders of ships near, as the boat's receiver hears them.
+
+Each reports as often as ITU-R M.1371 has it, at times of its own. It is heard while the boat's
+mast is out of the water, and as far as the heights of both antennas let it be.
+"""
+
+import math
+from collections.abc import Iterator
+from datetime import datetime, timedelta
+from typing import Final
+
+from trainer.boat.depths import RAISED
+from trainer.boat.world.contacts import Seen, contacts_in
+from trainer.config.contacts import TYPES
+from trainer.io import ais
+from trainer.io.ais import Field, Particulars, Report
+from trainer.session.nmea.position import Chart
+from trainer.session.stations.view import Frame
+from trainer.units import KNOT
+
+NAME: Final = "VDM"  # what it is chosen by, among the sentences
+HEARD: Final = 4100.0  # [m] times the root of an antenna's height [m]
+STATIC: Final = 360.0  # [s] between two reports of name and size
+TURNING: Final = math.radians(5.0) / 15.0  # [rad/s] heading leaves its mean over 30 s by 5 deg
+GOLDEN: Final = 0.6180339887498949  # spreads the times at which ships report
+INTERVALS: Final = (  # [kn] up to, [s] between reports of class A, and turning
+    (14.0, 10.0, 10.0 / 3.0),
+    (23.0, 6.0, 2.0),
+    (math.inf, 2.0, 2.0),
+)
+SLOW: Final = 180.0  # [s] at anchor, and of class B below 2 kn
+
+
+def antenna(frame: Frame) -> float:
+    """Return the height [m] of the boat's antenna over the water.
+
+    Its mast is up by RAISED at periscope depth; a boat without one has it on the sail.
+    """
+    depth = frame.boat.file.run.periscope_depth_m
+    if depth is not None:
+        return depth + RAISED - frame["z"] - frame["eta_wave"]
+    x, z = frame.fittings.sail
+    lifted = x * math.sin(frame["theta"]) - z * math.cos(frame["theta"]) * math.cos(frame["phi"])
+    return lifted - frame["z"] - frame["eta_wave"]
+
+
+def audible(ship: Seen, frame: Frame, height: float) -> bool:
+    """Return whether a ship's transponder is heard by an antenna at a height [m]."""
+    reach = HEARD * (math.sqrt(height) + math.sqrt(ship.mast))
+    return math.hypot(ship.north - frame["x"], ship.east - frame["y"]) <= reach
+
+
+def interval(ship: Seen) -> float:
+    """Return the time [s] between two position reports."""
+    knots = ship.speed / KNOT
+    if TYPES[ship.type].small:
+        return SLOW if knots < 2.0 else 30.0
+    if ship.status == "at anchor" and knots < 3.0:
+        return SLOW
+    straight, turning = next(pair for most, *pair in INTERVALS if knots <= most)
+    return turning if abs(ship.turning) > TURNING else straight
+
+
+def slot(time: float, every: float, share: float) -> int:
+    """Return how many reports there have been by a time [s]; ``share`` shifts them."""
+    return math.floor(time / every - share)
+
+
+class Transponders:
+    """The sentences of all ships that are heard, as time goes on."""
+
+    def __init__(self, chart: Chart, start: datetime) -> None:
+        """Tell of a session that began at ``start``, UTC."""
+        self._chart, self._start = chart, start
+        self._last: float | None = None  # [s]
+        self._sequence = 0
+
+    def lines(self, frame: Frame) -> list[str]:
+        """Return what has been sent since the last frame; nothing where time has gone back."""
+        before, now = self._last, frame.seconds
+        self._last = now
+        contacts, height = contacts_in(frame.boat), antenna(frame)
+        if contacts is None or before is None or now <= before or height <= 0.0:
+            return []
+        return [
+            line
+            for ship in contacts.seen(frame.tick)
+            if ship.mmsi is not None and audible(ship, frame, height)
+            for fields in self._due(ship, before, now)
+            for line in self._sentences(fields)
+        ]
+
+    def _due(self, ship: Seen, before: float, now: float) -> Iterator[list[Field]]:
+        """Yield the messages of a ship that are due."""
+        share = (ship.mmsi or 0) * GOLDEN % 1.0
+        small = TYPES[ship.type].small
+        every = interval(ship)
+        if slot(now, every, share) > slot(before, every, share):
+            seen = self._report(ship, now)
+            yield ais.position_b(seen) if small else ais.position_a(seen)
+        if slot(now, STATIC, share) > slot(before, STATIC, share):
+            told = particulars(ship)
+            yield from ais.static_b(told) if small else (ais.static_a(told),)
+
+    def _sentences(self, fields: list[Field]) -> list[str]:
+        """Return the sentences of a message, on the two channels in turn."""
+        self._sequence = (self._sequence + 1) % 10
+        return ais.sentences(fields, "AB"[self._sequence % 2], self._sequence)
+
+    def _report(self, ship: Seen, now: float) -> Report:
+        """Return what a ship tells of a moment."""
+        latitude, longitude = self._chart.position(ship.north, ship.east)
+        return Report(
+            mmsi=ship.mmsi or 0,
+            latitude=latitude,
+            longitude=longitude,
+            speed=ship.speed / KNOT,
+            course=math.degrees(ship.course),
+            heading=math.degrees(ship.course),
+            turning=math.degrees(ship.turning) * 60.0,
+            second=(self._start + timedelta(seconds=now)).second,
+            status=ais.STATUS[ship.status],
+        )
+
+
+def particulars(ship: Seen) -> Particulars:
+    """Return what a ship tells of itself; its antenna is in its middle."""
+    ends, sides = round(0.5 * ship.length), round(0.5 * ship.beam)
+    return Particulars(
+        *(ship.mmsi or 0, ship.name.replace("-", " "), TYPES[ship.type].ais),
+        *(ends, ends, sides, sides),
+        draught=ship.draught,
+    )
