@@ -1,4 +1,4 @@
-"""What the periscope showed and saw on a passage: its head over the sea, ships in sight, marks."""
+"""The periscope on a passage: its head over the sea, ships in sight, and their marks."""
 
 import math
 import re
@@ -64,7 +64,7 @@ def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
 
 
 def marked(trajectory: Trajectory, scope: Periscope) -> list[tuple[int, list[str]]]:
-    """Return the tick of each mark of a contact, and the ships that it may mean."""
+    """Return the tick of each mark, and the ships that it may mean."""
     found = []
     for mark in trajectory.marks:
         said = MARKED.match(mark.text)

@@ -159,7 +159,7 @@ def exposed(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
 
 
 def exposed_raise(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
-    """Return the time [s] of the raise in which the head was longest out of the water."""
+    """Return the time [s] of the raise that showed longest."""
     raises = shown(trajectory)[1]
     each = [exposed(trajectory, rows & (raises == one), rule) for one in np.unique(raises)]
     return max(each, key=lambda attained: attained.value or 0.0)

@@ -148,7 +148,10 @@ def showing(trajectory: Trajectory) -> Numbers:
 
 
 def eye_heights(trajectory: Trajectory) -> Numbers:
-    """Return the height [m] of the periscope's head over the waves, NaN for a boat without one."""
+    """Return the height [m] of the periscope's head over the waves.
+
+    It is NaN for a boat without one.
+    """
     scope, column = periscope_of(trajectory.boat), trajectory.columns
     if scope is None:
         return np.full(trajectory.ticks.size, np.nan)

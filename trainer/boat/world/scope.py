@@ -1,4 +1,4 @@
-"""The periscope: its mast and optics as orders have put them, and what is seen from its head.
+"""The periscope: its mast and optics, and the ships that are seen from its head.
 
 How it stands follows from the orders with their ticks alone. Refraction bends light round the
 earth: N. Bowditch, American Practical Navigator (2019), tables 8 and 12, as a larger earth has it.
@@ -65,7 +65,7 @@ class Target(Protocol):
 
 
 class Eye(NamedTuple):
-    """Where the head is [m], its height above the waves, and the boat's true heading [rad]."""
+    """Place of the head [m], its height over the waves, and the boat's heading [rad]."""
 
     north: float
     east: float
@@ -74,7 +74,7 @@ class Eye(NamedTuple):
 
 
 class Lamp(NamedTuple):
-    """A light as it is seen: its colour, off the ship's middle and over the horizontal [rad]."""
+    """A light in sight: colour, off the ship's middle and over the horizontal [rad]."""
 
     colour: str
     beside: float
@@ -117,7 +117,7 @@ def hidden(distance: float, eye: float) -> float:
 
 
 def look_at(target: Target, eye: Eye) -> Sight | None:
-    """Return how a ship is seen, None below the horizon or from a head that is washed over."""
+    """Return how a ship is seen. None: it is below the horizon, or the head is washed over."""
     north, east = target.north - eye.north, target.east - eye.east
     distance = max(math.hypot(north, east), 1.0)
     if eye.height <= 0.0 or hidden(distance, eye.height) >= target.mast:
@@ -149,7 +149,7 @@ def _lamps(target: Target, aspect: float, distance: float, eye: float) -> Iterab
 
 
 def stadimeter(height: float, sight: Sight, power: float) -> float | None:
-    """Return the distance [m] that a height [m] gives, None where its angle is too small."""
+    """Return the distance [m] that a height [m] gives. None: its angle is too small."""
     step = STEPS[power]
     steps = round((sight.top - sight.bottom) / step)
     return height / (steps * step) if steps else None
@@ -184,13 +184,13 @@ class Periscope:
             self._shown.append(tick)
 
     def exposed(self, tick: int, *, raised: bool) -> float:
-        """Return how long [s] the head has shown up to a tick, in all or since it was raised."""
+        """Return how long [s] the head has shown up to a tick. ``raised``: in this raise alone."""
         since = self.raised_at(tick) if raised else 0
         count = bisect_right(self._shown, tick) - bisect_left(self._shown, since)
         return max(count, 0) * self._step
 
     def raised_at(self, tick: int) -> int:
-        """Return the tick at which the mast was ordered up last, 0 before it ever was."""
+        """Return the tick at which the mast was ordered up last, else 0."""
         number = self.at(tick).raised
         return next((each.tick for each in self._stood if each.raised == number), 0)
 
@@ -234,7 +234,7 @@ class Periscope:
         return sorted(seen, key=attrgetter("distance"))
 
     def near(self, s: Any, tick: int) -> list[tuple[str, float]]:
-        """Return each ship at a tick and its true bearing [rad] from the boat, seen or not."""
+        """Return each ship at a tick and its true bearing [rad], seen or not."""
         return [
             (ship.name, math.atan2(ship.east - float(s["y"]), ship.north - float(s["x"])))
             for ship in targets(self._boat, tick)

@@ -1,4 +1,4 @@
-"""The waves round the boat, as they are to be drawn: the same sea that moves it, in space.
+"""The waves round the boat: the same sea that moves it, in space.
 
 The cosine sum is exact everywhere. The filters give one elevation, above the boat. There the waves
 round it are those that another boat would meet: run d [m] with the waves, and the bank's clock
@@ -51,7 +51,7 @@ class Swell(NamedTuple):
     amplitudes: Numbers  # [-]
 
     def level(self, ahead: float, right: float) -> float:
-        """Return the level [m] at a place so far [m] ahead and to the right of the boat."""
+        """Return the level [m] at a place so far [m] ahead and to the right."""
         along = ahead * math.cos(self.towards) + right * math.sin(self.towards)
         across = right * math.cos(self.towards) - ahead * math.sin(self.towards)
         return 0.25 * self.height * (self._of_groups(along) + self._of_cosines(along, across))
@@ -92,7 +92,7 @@ def packed(values: Numbers, count: int) -> str:
 
 
 def between(values: Waves, place: float) -> complex:
-    """Return what lies between two of the values, by Lagrange's cubic as the core has it."""
+    """Return what lies between two of the values, by the core's cubic."""
     first = min(max(math.floor(place), 1), values.size - 3)
     f = place - first
     before, after, beyond = f + 1.0, f - 1.0, f - 2.0

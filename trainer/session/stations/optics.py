@@ -1,4 +1,4 @@
-"""The periscope's channels: what is seen by its angles, the waves round it, and the truth.
+"""The periscope's channels: ships by their angles, waves, and the truth.
 
 A trainee's page is told angles alone, and nothing of what the horizon hides.
 """
@@ -130,7 +130,7 @@ def of_swell(read: Callable[[Swell], Value]) -> Callable[[Frame], Value]:
 
 
 def exposed(frame: Frame, *, raised: bool) -> Value:
-    """Return how long [s] the head has been out of the water, in all or since it was raised."""
+    """Return how long [s] the head has shown, in all or since it was raised."""
     scope = periscope(frame)
     return scope.exposed(frame.tick, raised=raised) if scope else None
 

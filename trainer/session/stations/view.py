@@ -97,7 +97,7 @@ class Frame:
         return self["tick"] * self.boat.method.step
 
     def height(self, x: float, z: float) -> float:
-        """Return the height [m] over the waves of a point in body axes, as the core has it."""
+        """Return the height [m] over the waves of a point in body axes."""
         pitch, heel = self["theta"], self["phi"]
         lifted = x * math.sin(pitch) - z * math.cos(pitch) * math.cos(heel)
         return lifted - self["z"] - self["eta_wave"]
