@@ -22,6 +22,7 @@ from trainer.boat.export.header import places_of
 from trainer.boat.export.wasm import numbers_of, shipped
 from trainer.boat.helm import obey
 from trainer.boat.sea_orders import fully_developed, standing_sea
+from trainer.boat.world.world import PARTS
 from trainer.config.casualties import Casualty
 from trainer.config.files import ConfigError
 from trainer.config.sea import peak_frequency, significant_height, step_problem
@@ -36,7 +37,7 @@ from trainer.io.orders.quantities import NUMBERS, Number
 from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAMES, SETS, SIGNS
 from trainer.io.recording.recording import Branch, Journalled, Recording
 from trainer.session.header import differences, layout_of, plan_of, reading
-from trainer.session.history import order_of
+from trainer.session.history import order_of, world_orders
 from trainer.session.layout import read_state
 from trainer.session.plan import Plan
 from trainer.session.stations.briefing import ranges
@@ -185,6 +186,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
         warm(boat)
         layout = layout_of(header)
         plan.start(boat)
+        refuse_world(recording, boat, path.name)
         flown = [fly(recording, each, boat, plan, layout) for each in recording.branches()]
         told = {
             "from": path.name,
@@ -195,6 +197,18 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
         }
         plan.start(boat)
     return boat, told
+
+
+def refuse_world(recording: Recording, boat: Boat, name: str) -> None:
+    """Raise ConfigError if what is around the boat acted on her: a page has none of it."""
+    for branch in recording.branches():
+        boat.world.settle(world_orders(recording, branch.id, branch.after))
+        own = recording.orders(branch.id, branch.after)
+        orders = [each.text for each in own if each.text.partition(" ")[0] in PARTS]
+        acting = [what for what, part in boat.world.parts.items() if part.acts]
+        for what in (*acting, *orders):
+            told = f"branch {branch.id} has a world around the boat ({what}), and a page has none"
+            raise ConfigError(f"{name}: {told}; look at it by trainer debrief")
 
 
 def exercise_of(plan: Plan) -> list[tuple[str, str]]:

@@ -21,6 +21,7 @@ from trainer.config.reference_crew import Crew
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.queries import Journalled, Moment
+from trainer.session.history import WorldOrders
 from trainer.session.layout import LAYOUT, read_state
 from trainer.session.plan import Plan
 
@@ -47,6 +48,7 @@ class Departure:
     moment: Moment
     layout: tuple[str, ...]  # of its state
     given: Mapping[int, float]  # [s] rules of the reference crew that were carried out before
+    to_world: WorldOrders = ()  # orders before it
 
 
 def fly(
@@ -64,6 +66,7 @@ def fly(
     first, place = (since.moment.tick, since.moment.place) if since else (0, 0)
     if since is not None:
         boat.restore(read_state(since.moment.state, since.layout, boat.records.state))
+        boat.world.settle(since.to_world)
     journal, numbers = Journal(boat), boat.records.state.view(np.float64)
     aboard = None if crew is None else ReferenceCrew(boat, crew, reaction)
     if aboard is not None and since is not None:

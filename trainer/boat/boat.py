@@ -153,9 +153,29 @@ class Boat:
         stand_by_all(records.vessel, self.method.step, records.state, records.scratch)
 
     @property
+    def world(self) -> World:
+        """Return what is around the boat and acts on it."""
+        return self._world
+
+    @world.setter
+    def world(self, world: World) -> None:
+        self._world = world
+        world.changed = self._look_around
+        self._look_around()
+
+    def _look_around(self) -> None:
+        """Find anew how a tick is taken."""
+        self.__dict__.pop("tick", None)
+
+    @functools.cached_property
     def tick(self) -> Callable[[], int]:
         """Advance by one step. Return 0, or a status for ``failure`` with the state as it was."""
         return self._in_its_world if self.world.acts else self.advance
+
+    def go_over(self, advance: Callable[[], int]) -> None:
+        """Compute the ticks by other code from now on."""
+        self.advance = advance
+        self._look_around()
 
     def _in_its_world(self) -> int:
         self.world.write(self.state)

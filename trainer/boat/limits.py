@@ -13,7 +13,7 @@ from trainer.units import KNOT
 
 COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
 Z, WAVE, VALIDITY = PLACES["z"], PLACES["eta_wave"], PLACES["validity"]
-NORTHWARD, EASTWARD = PLACES["xdot"], PLACES["ydot"]
+NORTHWARD, EASTWARD = PLACES["through_north"], PLACES["through_east"]  # as waves see her
 HEIGHT, OMEGA, DIRECTION, COSINES = (
     PLACES[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
 )
@@ -32,11 +32,17 @@ REASONS: Final = (
 )
 
 
+def over_ground(s: Any) -> float:
+    """Return the speed [m/s] over the ground of a state, 0 while its place is held."""
+    return 0.0 if s.held_position else math.hypot(s.xdot, s.ydot)
+
+
 SEEN: Final[dict[str, Callable[[Any], float]]] = {
     "depth_m": lambda s: float(s.z),
     "pitch_deg": lambda s: abs(math.degrees(s.theta)),
     "heel_deg": lambda s: abs(math.degrees(s.phi)),
     "speed_kn": lambda s: float(s.u) / KNOT,
+    "speed_over_ground_kn": lambda s: over_ground(s) / KNOT,
     "validity_level": lambda s: float(s.validity),
 }
 
@@ -48,6 +54,7 @@ BEYOND: Final = {  # what passing each limit is called; depth grows downwards
     "heel_deg_max": "heel more than {:g} deg",
     "speed_kn_max": "faster than {:g} kn",
     "speed_kn_min": "slower than {:g} kn",
+    "speed_over_ground_kn_max": "faster than {:g} kn over the ground",
     "validity_level_max": "validity level above {:g}",
     "cpa_m_min": "nearer than {:g} m to a ship",
 }

@@ -154,6 +154,7 @@ def page_text(boat: Any, recording: Path | None, station: str) -> str:
 def boat_at_start(options: RunOptions) -> Any:
     """Return the boat of the command line's ``options`` at its start; ConfigError if it cannot."""
     from trainer.boat.boat import Boat  # noqa: PLC0415
+    from trainer.config.files import ConfigError  # noqa: PLC0415
     from trainer.config.sea import load_sea  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
     from trainer.session.plan import choose_method  # noqa: PLC0415
@@ -162,6 +163,11 @@ def boat_at_start(options: RunOptions) -> Any:
 
     file = load_vessel(options.vessel)
     sea = load_sea(options.sea or "calm")
+    if sea.world:
+        raise ConfigError(
+            f"{sea.path.name}: [{next(iter(sea.world))}]: an exported boat and a page have none; "
+            "leave it out, or run it by trainer run"
+        )
     boat = Boat(file, choose_method(file, options))
     warm(boat)
     if not options.unsafe_step:

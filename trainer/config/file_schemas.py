@@ -8,6 +8,7 @@ from typing import Any
 
 from trainer.config import casualties, hull, sea, vessel
 from trainer.config.coefficients import AXES, COEFFICIENT, EQUATION_SETS, FACTOR
+from trainer.config.current import current_schema
 from trainer.config.exercise import CASUALTIES, ORDERS, Heading, Initial, Limits
 from trainer.config.reference_crew import RULES, Helmsman, Planesman
 from trainer.config.schema import described, file_schema, object_schema, record_schema
@@ -67,7 +68,8 @@ def sea_table_schema() -> dict[str, Any]:
 def sea_schema() -> dict[str, Any]:
     """Return the JSON Schema of a sea file."""
     keys = {name: described(kind) for name, kind in sea.HEADING.items()}
-    return file_schema("sea", {**keys, "sea": sea_table_schema()}, ("sea",))
+    tables = {"sea": sea_table_schema(), "current": current_schema()}
+    return file_schema("sea", {**keys, **tables}, ("sea",))
 
 
 def exercise_keys() -> dict[str, dict[str, Any]]:

@@ -27,7 +27,7 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import LATEST
 
 CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # of orders to the crew
-UNSEEN: Final = "heavy"  # a quantity that no gauge has
+UNSEEN: Final = ("heavy", "speed_over_ground")  # quantities that no gauge has
 HANDS: Final = ("planesman", "helmsman")
 SWITCHES: Final = {f"{hand} {word}": (hand, word) for hand in HANDS for word in ("on", "off")}
 
@@ -165,7 +165,7 @@ def _read_rule(row: CrewRow, i: int, place: Place) -> CrewRule:
     problems += [
         place.wrong("when", row.when, f"no gauge shows {each.quantity}")
         for each in conditions
-        if each.quantity == UNSEEN
+        if each.quantity in UNSEEN
     ]
     with collecting(problems):
         order = parse_crew_order(row.order, place)

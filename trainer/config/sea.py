@@ -5,12 +5,13 @@ What a file leaves out comes from the shipped sea-defaults file; nothing is defa
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
+from trainer.config.current import read_current
 from trainer.config.files import (
     ConfigError,
     Place,
@@ -45,7 +46,7 @@ HEADING: Final[Mapping[str, Kind]] = {
     "name": Text(200, "name shown"),
     "note": Text(1000, "for the reader"),
 }
-KNOWN: Final = (*HEADING, "sea")
+KNOWN: Final = (*HEADING, "sea", "current")
 # Significant height [m] by degree of the sea, the middle of each in WMO code table 3700.
 SEA_STATE_HEIGHT: Final = (0.0, 0.05, 0.3, 0.875, 1.875, 3.25, 5.0, 7.5, 11.5)
 HEIGHT_FACTOR: Final = 4.0 * math.sqrt(8.1e-3 / (4.0 * 0.74))  # [-] Hs g/U^2 of Pierson-Moskowitz
@@ -93,6 +94,7 @@ class SeaFile:
     text: str
     name: str
     sea: Sea
+    world: Mapping[str, Any] = field(default_factory=dict)  # its current, as an exercise has it
 
 
 def load_sea(name_or_path: str) -> SeaFile:
@@ -113,16 +115,21 @@ def parse_sea(text: str, path: Path) -> SeaFile:
         with collecting(problems):
             if key in HEADING:
                 HEADING[key].read(key, value, place)
-            elif key != "sea":
+            elif key not in KNOWN:
                 text = "belongs under [sea]" if key in KEYS else f"no such key{nearest(key, KNOWN)}"
                 raise ConfigError(place.wrong(key, value, text))
     with collecting(problems):
         if "sea" not in table:
             raise ConfigError(place.problem("lacks the table [sea]"))
         sea = read_sea(table["sea"], place.inside("sea"))
+    world = {}
+    with collecting(problems):
+        if "current" in table:
+            world["current"] = read_current(table["current"], place.inside("current"), path)
     if problems:
         raise ConfigError(*problems)
-    return SeaFile(path=path, text=text, name=table.get("name", path.stem), sea=sea)
+    name = table.get("name", path.stem)
+    return SeaFile(path=path, text=text, name=name, sea=sea, world=world)
 
 
 def read_sea(table: object, place: Place) -> Sea:

@@ -11,17 +11,20 @@ from trainer.config.contacts import (
     read_contacts,
     read_encounters,
 )
+from trainer.config.current import current_schema, read_current
 from trainer.config.files import ConfigError, Place, collecting
 
 # by the name of the table: from what it holds, its place, and the exercise's path to a record
 READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {
     "contact": read_contacts,
     "contacts": read_encounters,
+    "current": read_current,
 }
 
 SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "contact": contacts_schema,
     "contacts": encounters_schema,
+    "current": current_schema,
 }
 WORLD_RECORDS: Final[Mapping[str, type[Any]]] = {**CONTACT_RECORDS}  # for their keys
 WorldTables = Mapping[str, Any]  # records, by the names of their tables

@@ -77,6 +77,7 @@ LIMITS: Final = {
     "heel_deg_max": "heel {} deg at most",
     "speed_kn_max": "no faster than {} kn",
     "speed_kn_min": "no slower than {} kn",
+    "speed_over_ground_kn_max": "no faster than {} kn over the ground",
     "validity_level_max": "validity level {} at most",
 }
 AT: Final = {"rudder": "helm", "speed": "helm", "planes": "planes", "ballast": "ballast"}

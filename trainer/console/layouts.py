@@ -76,7 +76,7 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             "instructor",
             (
                 *("time", "gauges", "steering", "engine", "diving", "tanks", "air", "valves"),
-                *("sea", "casualties", "ledger", "orders", "motion"),
+                *("sea", "current", "casualties", "ledger", "orders", "motion"),
             ),
             charts_named("motion", "depth", "heading", "speed", "stern", "rudder", "pitch"),
             (

@@ -198,7 +198,8 @@ class Conduct:
     def go_over(self, tick: Callable[[], int]) -> None:
         """Compute the ticks by machine code from now on, at the speed asked for."""
         boat = self.control.boat
-        boat.advance, self.compiled_from = tick, boat.ticks + 1
+        boat.go_over(tick)
+        self.compiled_from = boat.ticks + 1
         self.control.time.recover()
         ready = f"compiled code is ready: from tick {self.compiled_from} on"
         self.log.tell("time", ready, fact=Fact("compiled"))

@@ -17,7 +17,7 @@ from typing import Final
 
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import scale_of
-from trainer.boat.limits import deep, showing
+from trainer.boat.limits import deep, over_ground, showing
 from trainer.boat.world.scope import eye_height
 from trainer.config.condition import QUANTITIES, Condition, Loss
 from trainer.config.files import ConfigError
@@ -96,6 +96,8 @@ def quantity_of(boat: Boat, name: str) -> float:
         return boat.plain[PLACES["psi"]] % math.tau
     if name == "heavy":
         return (boat.plain[PLACES["weight"]] - float(boat.vessel.buoyancy)) / float(boat.vessel.g)
+    if name == "speed_over_ground":
+        return over_ground(boat.state)
     factor = scale_of(boat, name)
     return boat.plain[PLACES[QUANTITIES[name].place]] / factor if factor else math.nan
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
+from trainer.boat.world.world import PARTS
 from trainer.core.state import STATE
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.schedule import Scheduled
@@ -106,16 +107,23 @@ def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
     return order if isinstance(order, Order) else None
 
 
+WorldOrders = tuple[tuple[int, Order], ...]  # orders to the world, each with its tick
+
+
+def world_orders(recording: Recording | NoRecording, branch: int, after: int) -> WorldOrders:
+    """Return the orders to the world that a branch has up to ``after``."""
+    return tuple(
+        (entry.tick, order)
+        for entry in recording.orders(branch)
+        if entry.id <= after and entry.accepted is not False
+        if entry.text.partition(" ")[0] in PARTS  # most are not
+        if isinstance(order := parse(entry.text), Order)
+    )
+
+
 def settle_world(boat: Boat, recording: Recording | NoRecording, branch: int, after: int) -> None:
     """Have a boat's world be as the orders of a branch up to ``after`` have made it."""
-    if not boat.world.parts:
-        return
-    given = []
-    for entry in recording.orders(branch):
-        order = parse(entry.text) if entry.id <= after and entry.accepted is not False else None
-        if isinstance(order, Order):
-            given.append((entry.tick, order))
-    boat.world.settle(given)
+    boat.world.settle(world_orders(recording, branch, after))
 
 
 @dataclass(frozen=True)
@@ -167,6 +175,8 @@ class History:
 
     def __post_init__(self) -> None:
         self._period = max(round(AUTOMATIC_EVERY / self.boat.method.step), 1)
+        if isinstance(self.recording, NoRecording):
+            self.recording.kept = self.boat.world.parts.keys()
 
     @property
     def tick(self) -> int:
@@ -279,8 +289,9 @@ class History:
 
     def return_to(self, end: Moment, why: str, schedule: Sequence[Scheduled]) -> None:
         """Go to the end of a branch, give again what was ordered there, and fork."""
+        given = self.recording.orders(end.branch, end.after)  # before anything is changed
         self._restore(end)
-        for entry in self.recording.orders(end.branch, end.after):
+        for entry in given:
             order = order_of(entry, schedule)
             if order is not None and order.name in BOAT_ORDERS and entry.accepted is not False:
                 obey(self.boat, order)
@@ -291,9 +302,9 @@ class History:
 
     def go_to(self, moment: Moment, why: str) -> None:
         """Go back to a moment, and begin a new branch there."""
+        self._restore(moment)
         if moment.branch != self.recording.branch:
             self.automatic.clear()  # the past of another branch
-        self._restore(moment)
         self.recording.fork(moment, why)
         self.rerun = None
         self.automatic.forget_after(self.tick)
@@ -348,8 +359,10 @@ class History:
         return rerun is not None and self.tick >= rerun.end.tick and not rerun.orders
 
     def _restore(self, moment: Moment) -> None:
+        """Take a moment whole; RecordingError with nothing changed."""
+        given = world_orders(self.recording, moment.branch, moment.after)
         self.boat.restore(np.frombuffer(moment.state, STATE))
-        settle_world(self.boat, self.recording, moment.branch, moment.after)
+        self.boat.world.settle(given)
         self.after, self.place = moment.after, moment.place
 
     def _state(self) -> bytes:

@@ -75,7 +75,7 @@ class Plan:
     lost: tuple[Loss, ...] = ()
     crew: Crew = field(default_factory=Crew)  # the reference crew
     baseline: Baseline | None = None  # as it was flown and kept
-    world: WorldTables = field(default_factory=dict)
+    world: WorldTables = field(default_factory=dict)  # the exercise's own
 
     @property
     def judged_by_tasks(self) -> bool:
@@ -109,12 +109,13 @@ class Plan:
         course = math.radians(self.initial.course_deg or 0.0)
         boat.start(speed * KNOT, depth, course, self.seed)
         boat.put_to_sea(self.sea)
-        boat.world = world_of(boat, self.world)
+        boat.world = world_of(boat, {**self.sea.world, **self.world})
         refuse_touching(boat)
         self._put_out_of_trim(boat)
         boat.casualties = self.casualties
         for entry in self.armed:
             casualties_module.arm(boat, entry.condition, entry.casualty, entry.rule)
+        boat.world.write(boat.state)  # so that the first picture has it too
 
     def _put_out_of_trim(self, boat: Boat) -> None:
         """Let the boat begin as heavy and as much by the bow as the exercise has it."""

@@ -10,8 +10,9 @@ from trainer.boat.boat import Boat
 from trainer.boat.sea_orders import describe_held, sea_text
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.io.status_line import course
+from trainer.session.stations.channels import set_and_drift, way_made
 from trainer.session.stations.display import view
-from trainer.session.stations.view import Pace, Picture, StateReader
+from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Summary
 from trainer.units import KNOT
 
@@ -56,6 +57,7 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
         ),
         f"rudder {seen.rudder_deg:+.2f} {mode(s.rudder_by_hand)} (right +)",
         f"position {s.x:.0f} m north, {s.y:.0f} m east of the start",
+        *current_lines(frame, boat),
         *sea_lines(boat),
         *(ballast_lines(boat) if boat.vessel.fitted else ()),
         *casualty_lines(boat),
@@ -99,6 +101,16 @@ def sea_lines(boat: Boat) -> list[str]:
     s = boat.state
     coming = [f"sea ordered {sea_text(s.sea_target)}, in {s.sea_ramp:.0f} s"]
     return [f"sea {sea_text(s.sea)}", *(coming if s.sea_ramp > 0.0 else [])]
+
+
+def current_lines(frame: Frame, boat: Boat) -> list[str]:
+    """Return the current and the way over the ground, nothing where there is neither."""
+    if not boat.world.acts:
+        return []
+    track, speed = way_made(frame)
+    towards, drift = set_and_drift(frame)
+    water = "no current" if towards is None else f"towards {course(towards, 0)} at {drift:.2f} kn"
+    return [f"current {water}; over ground {course(track, 1)} at {speed:.2f} kn"]
 
 
 def ballast_lines(boat: Boat) -> list[str]:

@@ -28,6 +28,7 @@ LIMITED: Final[Mapping[str, Measured]] = {  # by the keys of an exercise's limit
     "pitch_deg": Measured("pitch", "deg", float(np.radians(1.0))),
     "heel_deg": Measured("heel", "deg", float(np.radians(1.0))),
     "speed_kn": Measured("speed", "kn", 1852.0 / 3600.0),
+    "speed_over_ground_kn": Measured("speed_over_ground", "kn", 1852.0 / 3600.0),
 }
 
 

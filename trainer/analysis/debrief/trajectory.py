@@ -32,7 +32,8 @@ SLOTS: Final = tuple(f"casualty[{i}]" for i in range(CASUALTIES))
 AMOUNTS: Final = tuple(f"casualty_amount[{i}]" for i in range(CASUALTIES))
 # places of the state beside those that conditions are about
 PLACES: Final = (
-    *("x", "y", "psi", "weight", "ordered_depth", "ordered_psi", "ordered_speed"),
+    *("x", "y", "xdot", "ydot", "held_position"),
+    *("psi", "weight", "ordered_depth", "ordered_psi", "ordered_speed"),
     *("ordered_r", "ordered_s", "ordered_b", "command_r", "command_s", "command_b"),
     *("rudder_by_hand", "stern_by_hand", "bow_by_hand", "speed_by_hand"),
     *("blow_forward", "blow_mid", "blow_aft", "sea_height", "held_depth"),
@@ -162,11 +163,19 @@ def eye_heights(trajectory: Trajectory) -> Numbers:
     return np.asarray(lifted - column["z"] - column["eta_wave"])
 
 
+def over_ground(trajectory: Trajectory) -> Numbers:
+    """Return the speed [m/s] over the ground, 0 while the place is held."""
+    column = trajectory.columns
+    speed: Numbers = np.hypot(column["xdot"], column["ydot"])
+    return np.where(column["held_position"] != 0.0, 0.0, speed)
+
+
 DERIVE: Final[Mapping[str, Callable[[Trajectory], Numbers]]] = {
     COURSE: lambda trajectory: trajectory.columns["psi"],  # not wrapped
     "heavy": heaviness,
     "eye": eye_heights,
     "showing": showing,
+    "speed_over_ground": over_ground,
 }
 
 

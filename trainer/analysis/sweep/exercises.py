@@ -70,6 +70,7 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
         armed=exercise.armed,
         limits=exercise.limits,
         scores=(),
+        world=exercise.world,
     )
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Protocol
 
 from trainer.boat.world.contacts import contacts_of
+from trainer.boat.world.current import make_current
 from trainer.boat.world.scope import Periscope
 from trainer.config.world import WorldTables
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -19,7 +20,7 @@ class Part(Protocol):
 
     @property
     def acts(self) -> bool:
-        """Return whether there is anything to write."""
+        """Return whether there is anything to write; only orders change it."""
 
     def obey(self, order: Order, tick: int) -> Reply:
         """Take an order from a tick on; return what now holds, or why it was refused.
@@ -39,6 +40,7 @@ class World:
     """All parts, by the names of the orders that they obey."""
 
     parts: Mapping[str, Part] = field(default_factory=dict)
+    changed: Callable[[], object] = field(default=lambda: None, repr=False, compare=False)
 
     @property
     def acts(self) -> bool:
@@ -54,7 +56,9 @@ class World:
     def obey(self, order: Order, tick: int) -> Reply:
         """Have a part obey an order of its own."""
         part = self.parts.get(order.name)
-        return part.obey(order, tick) if part else Refused(f"there is no {order.name} here")
+        answer = part.obey(order, tick) if part else Refused(f"there is no {order.name} here")
+        self.changed()
+        return answer
 
     def settle(self, orders: Iterable[tuple[int, Order]]) -> None:
         """Be as after these orders, each with its tick: time has jumped."""
@@ -63,11 +67,13 @@ class World:
         for tick, order in orders:
             if order.name in self.parts:
                 self.parts[order.name].obey(order, tick)
+        self.changed()
 
 
 # by the name of a part's order: from the boat and the tables of the exercise to the part
 PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {
     "contact": contacts_of,
+    "current": make_current,
     "scope": Periscope,
 }
 

@@ -66,6 +66,7 @@ NUMBERS = {
     "ALERT": Number("the number of an alert", (PLAIN,), 1.0, 999999.0, decimals=0),
     "DEGREE": Number("a sea state", (PLAIN,), 0.0, 8.0, decimals=0),
     "WIND": Number("a wind", (KNOTS, METRES_PER_SECOND), 0.0, 100.0),
+    "DRIFT": Number("a drift", (KNOTS, METRES_PER_SECOND), 0.0, 10.0),
     "HEIGHT": Number("a significant height", (METRES, FEET), 0.0, 25.0),
     "TRAIN": Number("an angle off the bow", (DEGREES,), 0.0, 360.0),
     "MAST": Number("the height of a masthead", (METRES, FEET), 1.0, 150.0),

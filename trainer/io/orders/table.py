@@ -111,7 +111,7 @@ BOAT_TOPICS = (
     Topic(
         ("surface", "dive", "periscope", "scope"),
         "surface | dive | periscope depth",
-        "come up; flood; also scope raise, train 045",
+        "come up; flood; scope raise",
     ),
     Topic(("blow", "emergency"), "blow all | stop | emergency blow", "main ballast; also mid, aft"),
     Topic(("vent", "negative"), "vent all open | negative flood", "air out; the negative tank"),
@@ -121,7 +121,11 @@ BOAT_TOPICS = (
         "tonnes to be moved; drain",
     ),
     Topic(("hover", "compressor"), "hover on | compressor on", "keep depth stopped; charge air"),
-    Topic(("sea",), "sea state 5 | wind 30 | calm", "also height 3 m, from 045"),
+    Topic(
+        ("sea", "current"),
+        "sea state 5 | current off",
+        "also wind 30, calm; set 090 drift 2",
+    ),
     Topic(
         ("casualty", "clear", "casualties"),
         "casualty NAME | clear all",
@@ -243,6 +247,8 @@ FORMS = (
     Form("contact SHIP_NAME speed SPEED", "its speed over the ground, on the way it has"),
     Form("contact SHIP_NAME move NORTH EAST", "put it elsewhere; it goes straight on"),
     Form("contact SHIP_NAME remove", "take it away"),
+    Form("current set COURSE drift DRIFT", "let the water go that way, towards it, so fast"),
+    Form("current off", "let it stand still over the ground"),
     Form("casualty NAME", "as severe and sudden as its table says"),
     Form("casualty NAME SEVERITY", "as severe as this"),
     Form("casualty NAME ramp SECONDS", "growing over this time"),
@@ -342,8 +348,8 @@ BOAT_ORDERS = frozenset(
         ),
         *("planes", "lever", "autopilot", "periscope", "surface", "dive", "blow", "emergency"),
         *("vent", "negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
-        *("sea", "casualty", "clear", "hold", "release", "order", "course-to", "contact"),
-        *("scope",),
+        *("sea", "current", "contact", "scope"),
+        *("casualty", "clear", "hold", "release", "order", "course-to"),
     )
 )
 # What is said between those who order the crew, the crew and the instructor: journalled as well.

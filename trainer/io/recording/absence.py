@@ -1,28 +1,43 @@
-"""Recordings that are no file, one that keeps nothing: a run needs no ``if``."""
+"""Recordings that are no file, one that keeps next to nothing: a run needs no ``if``."""
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import replace
 
 from trainer.io.recording.queries import Branch, Journalled, Moment, Noted
 
 
 class NoRecording:
-    """A recording that drops all it is given. There is nothing to go back to."""
+    """A recording that drops all it is given but orders by their first words.
+
+    There is nothing to go back to. What moments in memory do not hold, the orders kept tell.
+    """
+
+    kept: Container[str]  # first words of orders
 
     def __init__(self) -> None:
+        self.kept = ()
         self.trouble = self.missing = ""
         self.reachable = False
         self.absences = 0
         self.branch = 1
         self._order = 0
+        self._orders: list[Journalled] = []
 
-    def order(self, _tick: int, _who: str, _text: str, _place: int | None = None) -> int:
-        """Return the number of an order."""
+    def order(self, tick: int, who: str, text: str, place: int | None = None) -> int:
+        """Keep an order if it is of those to be kept; return its number."""
         self._order += 1
+        if self._keeps(text):
+            entry = Journalled(self._order, self.branch, tick, who, text, place, None, "")
+            self._orders.append(entry)
         return self._order
 
-    def answered(self, _order: int, _answer: str, _accepted: bool) -> None:  # noqa: FBT001
-        """Drop it."""
+    def _keeps(self, text: str) -> bool:
+        return text.partition(" ")[0] in self.kept
+
+    def answered(self, order: int, answer: str, accepted: bool) -> None:  # noqa: FBT001
+        """Keep what became of the latest order, if that is kept."""
+        if self._orders and self._orders[-1].id == order:
+            self._orders[-1] = replace(self._orders[-1], accepted=accepted, answer=answer)
 
     def state(self, _tick: int, _state: bytes) -> None:
         """Drop it."""
@@ -36,8 +51,9 @@ class NoRecording:
     def snapshot(self, _name: str, _moment: Moment) -> None:
         """Drop it."""
 
-    def fork(self, _moment: Moment, _why: str) -> int:
-        """Return the number of the branch that begins."""
+    def fork(self, moment: Moment, _why: str) -> int:
+        """Forget the orders after a moment; return the number of the branch that begins."""
+        self._orders = [each for each in self._orders if each.id <= moment.after]
         self.branch += 1
         return self.branch
 
@@ -67,9 +83,9 @@ class NoRecording:
         """Return nothing."""
         return None
 
-    def orders(self, _branch: int, _after: int = 0) -> list[Journalled]:
-        """Return none."""
-        return []
+    def orders(self, _branch: int, after: int = 0) -> list[Journalled]:
+        """Return those kept after number ``after``."""
+        return [each for each in self._orders if each.id > after]
 
     def snapshots(self) -> list[tuple[str, Moment]]:
         """Return none."""
@@ -80,28 +96,7 @@ class NoRecording:
 
 
 class OrdersAlone(NoRecording):
-    """The orders of the present branch, in memory; all else is dropped."""
+    """All orders of the present branch, in memory; the rest is dropped."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._orders: list[Journalled] = []
-
-    def order(self, tick: int, who: str, text: str, place: int | None = None) -> int:
-        """Keep an order that is about to act; return its number."""
-        number = super().order(tick, who, text, place)
-        self._orders.append(Journalled(number, self.branch, tick, who, text, place, None, ""))
-        return number
-
-    def answered(self, order: int, answer: str, accepted: bool) -> None:  # noqa: FBT001
-        """Keep what became of the latest order."""
-        if self._orders and self._orders[-1].id == order:
-            self._orders[-1] = replace(self._orders[-1], accepted=accepted, answer=answer)
-
-    def fork(self, moment: Moment, why: str) -> int:
-        """Forget the orders after a moment; return the number of the branch that begins."""
-        self._orders = [each for each in self._orders if each.id <= moment.after]
-        return super().fork(moment, why)
-
-    def orders(self, _branch: int, after: int = 0) -> list[Journalled]:
-        """Return the orders after number ``after``."""
-        return [each for each in self._orders if each.id > after]
+    def _keeps(self, _text: str) -> bool:
+        return True

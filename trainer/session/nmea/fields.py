@@ -57,6 +57,18 @@ def water_speed(s: Readings) -> tuple[str, ...]:
     return (number(s.heading, 2), "T", "", "M", *speed)
 
 
+def current(s: Readings) -> tuple[str, ...]:
+    """Return the fields of VDR; water that stands still goes nowhere."""
+    return (number(s.current, 1), "T", "", "M", number(s.drift, 2), "N")
+
+
+def ways(s: Readings) -> tuple[str, ...]:
+    """Return the fields of VBW; speeds of the stern, which it tells of too, are not there."""
+    water = number(s.speed, 2), number(s.across, 2), "A"
+    ground = number(s.ahead_over_ground, 2), number(s.across_over_ground, 2), "A"
+    return (*water, *ground, "", "V", "", "V")
+
+
 def attitude(s: Readings) -> tuple[str, ...]:
     """Return the fields of PASHR."""
     angles = number(s.heading, 2), "T", number(s.heel, 2), number(s.pitch, 2)

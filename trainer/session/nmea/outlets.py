@@ -29,6 +29,7 @@ from trainer.session.nmea.orders import NmeaLine, Readers
 from trainer.session.nmea.position import Chart, chart_at
 from trainer.session.nmea.sentences import (
     NAMES,
+    USUAL,
     Instrument,
     InstrumentSet,
     Sampled,
@@ -218,9 +219,9 @@ def local(host: str) -> bool:
 
 
 def parse_names(text: str | None) -> Sequence[str]:
-    """Return the names of a list with commas, all for none; ConfigError naming the nearest."""
+    """Return the names of a list with commas, the usual for none; ConfigError with the nearest."""
     if text is None:
-        return CHOICES
+        return (*USUAL, AIS)
     names = [name.strip().upper() for name in text.split(",")]
     for name in names:
         if name not in CHOICES:

@@ -13,6 +13,7 @@ from typing import Final, NamedTuple
 from trainer.core.ballast.tanks import BANKS, TANKS
 from trainer.core.surfaces import SURFACES
 from trainer.session.nmea.position import Chart
+from trainer.session.stations.channels import set_and_drift, way_made, way_over_ground
 from trainer.session.stations.panels import (
     bank_fields,
     bell,
@@ -51,6 +52,11 @@ class Readings(NamedTuple):
     longitude: float
     track: float  # over the ground
     over_ground: float
+    across: float  # through the water, to starboard positive
+    ahead_over_ground: float
+    across_over_ground: float
+    current: Number  # where it goes to; None: nowhere
+    drift: float
     depth: float  # [m] by the gauge
     heading: float  # by the compass
     speed: float  # by the log
@@ -86,6 +92,8 @@ def sight(frame: Frame, chart: Chart, start: datetime) -> Readings:
     north, east = frame["x"], frame["y"]
     latitude, longitude = chart.position(north, east)
     track, over_ground = way_made(frame)
+    across, *over = over_water_and_ground(frame)
+    current, drift = set_and_drift(frame)
     return Readings(
         tick=frame.tick,
         at=start + timedelta(seconds=frame.seconds),
@@ -95,6 +103,11 @@ def sight(frame: Frame, chart: Chart, start: datetime) -> Readings:
         longitude=longitude,
         track=track,
         over_ground=over_ground,
+        across=across,
+        ahead_over_ground=over[0],
+        across_over_ground=over[1],
+        current=current,
+        drift=drift,
         depth=frame.readings.depth,
         heading=compass(frame.readings.heading, 2),
         speed=frame.readings.speed / KNOT,
@@ -121,17 +134,16 @@ def surface(name: str, frame: Frame) -> Surface:
     return Surface(reading(angle.read, frame), reading(ordered.read, frame))
 
 
-def way_made(frame: Frame) -> tuple[float, float]:
-    """Return track [deg] and speed [kn] over the ground. At rest the track is the heading."""
-    if frame["held_position"]:
-        return compass(frame["psi"], 2), 0.0
-    north, east = frame["xdot"], frame["ydot"]
-    speed = math.hypot(north, east) / KNOT
-    angle = math.atan2(east, north) if speed >= SLOWEST else frame["psi"]
-    return compass(angle, 2), speed
+def over_water_and_ground(frame: Frame) -> tuple[float, float, float]:
+    """Return speed across through the water, ahead and across over the ground [kn].
 
+    To starboard is positive.
+    """
+    north, east = way_over_ground(frame)
+    cosine, sine = math.cos(frame["psi"]), math.sin(frame["psi"])
+    ahead, across = north * cosine + east * sine, east * cosine - north * sine
+    return frame["v"] / KNOT, ahead / KNOT, across / KNOT
 
-SLOWEST: Final = 0.005  # [kn] that is not written as zero
 
 _FAR: Final = -9_999_999.9
 _ANGLE: Final = Surface(-99.99, -99.99)
@@ -145,6 +157,11 @@ WIDEST: Final = Readings(
     longitude=-179.99,
     track=359.99,
     over_ground=99.99,
+    across=-99.99,
+    ahead_over_ground=-99.99,
+    across_over_ground=-99.99,
+    current=359.9,
+    drift=99.99,
     depth=9999.99,
     heading=359.99,
     speed=-99.99,

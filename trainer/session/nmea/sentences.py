@@ -32,6 +32,7 @@ class Instrument:
     fields: tuple[str, ...]
     source: str
     read: Callable[[Readings], tuple[str, ...]]
+    asked: bool = False  # sent only where it is named
 
     @property
     def name(self) -> str:
@@ -119,6 +120,25 @@ INSTRUMENTS: Final = (
         ("heading [deg true]", "T", "-", "M", "speed [kn]", "N", "speed [km/h]", "K"),
         GAUGES,
         tell.water_speed,
+    ),
+    Instrument(
+        "INVDR",
+        "current, where it goes to",
+        ("set [deg true]", "T", "-", "M", "drift [kn]", "N"),
+        TRUE,
+        tell.current,
+        asked=True,
+    ),
+    Instrument(
+        "INVBW",
+        "speeds through the water and over the ground",
+        (
+            *("ahead through the water [kn]", "across, to starboard positive [kn]", "A"),
+            *("ahead over the ground [kn]", "across [kn]", "A", "-", "V", "-", "V"),
+        ),
+        f"ahead through the water {GAUGES}, the rest true",
+        tell.ways,
+        asked=True,
     ),
     Instrument(
         "INRSA",
@@ -230,6 +250,7 @@ INSTRUMENTS: Final = (
     ),
 )
 NAMES: Final = tuple(dict.fromkeys(instrument.name for instrument in INSTRUMENTS))
+USUAL: Final = tuple(dict.fromkeys(each.name for each in INSTRUMENTS if not each.asked))
 
 
 def choose_instruments(names: Iterable[str]) -> tuple[Instrument, ...]:

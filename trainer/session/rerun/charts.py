@@ -95,6 +95,20 @@ def depth_kept(block: Block) -> Numbers:
     return np.where(by_planes | (block["hover"] > 0.0), 1.0, 0.0)
 
 
+def over_ground(block: Block) -> Numbers:
+    """Return the speed [kn] over the ground, 0 while the place is held."""
+    speed = np.hypot(block["xdot"], block["ydot"]) / KNOT
+    return np.where(block["held_position"] > 0.0, 0.0, speed)
+
+
+def drift(block: Block) -> Numbers:
+    """Return the speed [kn] of the water at the boat over the ground."""
+    north = block["water_north"] + block["shear_north"] * block["z"]
+    east = block["water_east"] + block["shear_east"] * block["z"]
+    speed: Numbers = np.hypot(north, east) / KNOT
+    return speed
+
+
 def _motion(boat: Boat) -> Iterator[Chart]:
     """Yield the charts of how the boat moves and is steered."""
     degree = np.pi / 180.0
@@ -132,6 +146,7 @@ def _motion(boat: Boat) -> Iterator[Chart]:
         "attitude", "deg", (_place("pitch", "theta", degree), _place("heel", "phi", degree))
     )
     yield Chart("surfaces", "deg", tuple(_surfaces(boat, degree)))
+    yield Chart("ground", "kn", (Series("speed", over_ground), Series("drift", drift)))
     yield Chart("sea", "m", (_place("above the boat", "eta_wave"), _place("height", "sea_height")))
 
 

@@ -39,6 +39,30 @@ def water_over_sail(frame: Frame) -> Value:
     return -frame.height(*frame.fittings.sail)
 
 
+SLOWEST: Final = 0.005  # [kn] that is not written as zero
+
+
+def way_over_ground(frame: Frame) -> tuple[float, float]:
+    """Return the velocity north and east [m/s] over the ground, none while the place is held."""
+    return (0.0, 0.0) if frame["held_position"] else (frame["xdot"], frame["ydot"])
+
+
+def way_made(frame: Frame) -> tuple[float, float]:
+    """Return track [deg] and speed [kn] over the ground. At rest the track is the heading."""
+    north, east = way_over_ground(frame)
+    speed = math.hypot(north, east) / KNOT
+    angle = math.atan2(east, north) if speed >= SLOWEST else frame["psi"]
+    return compass(angle, 2), speed
+
+
+def set_and_drift(frame: Frame) -> tuple[float | None, float]:
+    """Return where the water at the boat goes to [deg], None where it stands, and drift [kn]."""
+    north = frame["water_north"] + frame["shear_north"] * frame["z"]
+    east = frame["water_east"] + frame["shear_east"] * frame["z"]
+    drift = math.hypot(north, east) / KNOT
+    return (compass(math.atan2(east, north), 1) if drift >= SLOWEST else None), drift
+
+
 def sea_fields(block: str, before: str) -> tuple[Field, ...]:
     """Return height, period of the peak and origin of a sea."""
 
@@ -123,6 +147,16 @@ INSTRUCTOR: Final = (
             metres("ramp", "sea_ramp", "s"),
             metres("elevation", "eta_wave", decimals=2),
             Field("over_sail", "m", 1, water_over_sail),
+        ),
+    ),
+    Channel(
+        "current",
+        "the water at the boat, where it goes to and how fast, and the way made over the ground",
+        (
+            Field("set", "deg", 1, lambda frame: set_and_drift(frame)[0]),
+            Field("drift", "kn", 2, lambda frame: set_and_drift(frame)[1]),
+            Field("course_over_ground", "deg", 1, lambda frame: round(way_made(frame)[0], 1) % 360),
+            Field("speed_over_ground", "kn", 2, lambda frame: way_made(frame)[1]),
         ),
     ),
     Channel(

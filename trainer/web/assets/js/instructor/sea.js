@@ -10,6 +10,12 @@ const ROWS = [
   ["Period, s", "period"],
   ["From", "from"],
 ];
+const WATER = [
+  ["Current towards", "set"],
+  ["Drift, kn", "drift"],
+  ["Course over ground", "course_over_ground"],
+  ["Speed over ground, kn", "speed_over_ground"],
+];
 
 /** Fills the tab of the sea. @param {Desk} desk */
 export function showSea(desk) {
@@ -20,7 +26,11 @@ export function showSea(desk) {
   });
   const over = html("td");
   const sail = html("tr", {}, html("th", { scope: "row" }, "Water over the sail, m"), over, html("td"));
-  one("#sea tbody").append(...rows.map(({ line }) => line), sail);
+  const water = WATER.map(([name, field]) => {
+    const cell = html("td");
+    return { field, cell, line: html("tr", {}, html("th", { scope: "row" }, name), cell, html("td")) };
+  });
+  one("#sea tbody").append(...rows.map(({ line }) => line), sail, ...water.map(({ line }) => line));
   const fill = paced(500, () => {
     for (const { field, cells } of rows) {
       ["", "ordered_"].forEach((which, at) => {
@@ -30,6 +40,11 @@ export function showSea(desk) {
       });
     }
     write(over, session.number("sea.over_sail")?.toFixed(1) ?? "");
+    for (const { field, cell } of water) {
+      const value = session.number(`current.${field}`);
+      const course = field === "set" || field === "course_over_ground";
+      write(cell, value === null ? "none" : course ? bearing(value) : value.toFixed(1));
+    }
   });
   session.on("tick", fill);
   furnishOrders(desk);
@@ -49,6 +64,13 @@ function furnishOrders(desk) {
     event.preventDefault();
     turn();
   };
+  const towards = /** @type {HTMLInputElement} */ (one("#current-set"));
+  const drift = /** @type {HTMLInputElement} */ (one("#current-drift"));
+  one("#current-orders").onsubmit = (event) => {
+    event.preventDefault();
+    void desk.give(`current set ${towards.value.trim() || "000"} drift ${drift.value.trim() || "0"}`);
+  };
+  one("#no-current").onclick = () => void desk.give("current off");
 }
 
 /** Track and sea share a place: one of them is seen. */

@@ -27,7 +27,7 @@ import { Link } from "../protocol/link.js";
 
 const CHANNELS = [
   ...["motion", "gauges", "orders", "steering", "engine", "diving", "tanks", "air", "valves"],
-  ...["time", "sea", "casualties", "lookout", "ledger"],
+  ...["time", "sea", "current", "casualties", "lookout", "ledger"],
 ];
 const AWAY = ["connecting", "lost", "role"]; // states in which nothing can be ordered
 

@@ -20,6 +20,7 @@ const POSITIONS = ["shut", "open", "emergency"];
 const PARTS = ["depth", "position", "tanks"];
 const LETTERS = { rudder: "r", stern: "s", bow: "b" };
 const ROUND = 350 * DEGREE;
+const SLOWEST = 0.005; // [kn] that is not written as zero
 
 /** Returns an angle [rad] as a course below 360 when written. @param {number} angle */
 function compass(angle, decimals = 1) {
@@ -226,6 +227,7 @@ function truth(r) {
     ramp: () => r.get("sea_ramp"),
     elevation: () => r.get("eta_wave"),
     over_sail: overSail,
+    ...ground(r),
     ticks: () => r.core.ticks,
   };
 }
@@ -237,6 +239,21 @@ function sea(r, block, before) {
     [`${before}height`]: height,
     [`${before}period`]: () => (height() ? TURN / omega() : null),
     [`${before}from`]: () => (height() ? compass(direction() + Math.PI, 0) : null),
+  };
+}
+
+/** The water at the boat, and her way over the ground. @param {Readings} r @returns {Record<string, () => Value>} */
+function ground(r) {
+  const knots = (/** @type {[number, number]} */ [north, east]) => Math.hypot(north, east) / r.fittings.knot;
+  const water = (/** @type {string} */ side) => r.get(`water_${side}`) + r.get(`shear_${side}`) * r.get("z");
+  const current = () => /** @type {[number, number]} */ ([water("north"), water("east")]);
+  const way = () => /** @type {[number, number]} */ (r.get("held_position") ? [0, 0] : [r.get("xdot"), r.get("ydot")]);
+  const goes = (/** @type {[number, number]} */ [north, east]) => Math.atan2(east, north);
+  return {
+    set: () => (knots(current()) >= SLOWEST ? compass(goes(current()), 1) : null),
+    drift: () => knots(current()),
+    course_over_ground: () => compass(knots(way()) >= SLOWEST ? goes(way()) : r.get("psi"), 1),
+    speed_over_ground: () => knots(way()),
   };
 }
 

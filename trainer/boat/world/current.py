@@ -1,0 +1,160 @@
+"""The current around a boat: uniform, by depth or a tide; an order takes their place in a ramp.
+
+It is water over ground, told by where it goes to. At a depth z it is written as the line of the
+rows above and below, ``water + shear z``; above the first row and below the last it is theirs.
+"""
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from trainer.config.current import SLOWEST, Current, Tide
+from trainer.config.world import WorldTables
+from trainer.io.orders.grammar import Order, Reply
+from trainer.units import KNOT
+
+Line = tuple[float, float, float, float]  # water north, east [m/s] and shear north, east [1/s]
+Flow = Callable[[float, float], Line]  # from time [s] and depth [m]
+HOUR: Final = 3600.0  # [s]
+STILL: Final[Line] = (0.0, 0.0, 0.0, 0.0)
+
+
+def uniform(towards: float, drift: float) -> Line:
+    """Return the same water at all depths; ``towards`` [rad] at ``drift`` [m/s]."""
+    return drift * math.cos(towards), drift * math.sin(towards), 0.0, 0.0
+
+
+def vector(set_deg: float, drift_kn: float) -> tuple[float, float]:
+    """Return a current north and east [m/s]."""
+    return uniform(math.radians(set_deg), drift_kn * KNOT)[:2]
+
+
+class Layers:
+    """Water by depth: a line between each row and the next."""
+
+    def __init__(self, rows: tuple[tuple[float, ...], ...]) -> None:
+        self.depths = [row[0] for row in rows]
+        waters = [vector(*row[1:]) for row in rows]
+        between = [
+            _line(*both)
+            for both in zip(self.depths[:-1], self.depths[1:], waters[:-1], waters[1:], strict=True)
+        ]
+        self.lines = [(*waters[0], 0.0, 0.0), *between, (*waters[-1], 0.0, 0.0)]
+
+    def __call__(self, _time: float, depth: float) -> Line:
+        """Return the line at a depth [m]."""
+        return self.lines[bisect_right(self.depths, depth)]
+
+
+def _line(
+    above: float, below: float, upper: tuple[float, float], lower: tuple[float, float]
+) -> Line:
+    """Return the line from the water at one depth [m] to that at another."""
+    north = (lower[0] - upper[0]) / (below - above)
+    east = (lower[1] - upper[1]) / (below - above)
+    return upper[0] - north * above, upper[1] - east * above, north, east
+
+
+class Ellipse:
+    """Water that turns with the tide: a cos in the direction of i, b sin across it."""
+
+    def __init__(self, tide: Tide) -> None:
+        self.ahead = vector(tide.towards_deg, tide.major_kn)
+        self.across = vector(tide.towards_deg + 90.0, tide.minor_kn)
+        self.rate = math.tau / (tide.period_h * HOUR)
+        self.since = tide.phase_h * HOUR
+
+    def __call__(self, time: float, _depth: float) -> Line:
+        """Return the water of a time [s]."""
+        turned = self.rate * (time + self.since)
+        cosine, sine = math.cos(turned), math.sin(turned)
+        (a_north, a_east), (b_north, b_east) = self.ahead, self.across
+        return a_north * cosine + b_north * sine, a_east * cosine + b_east * sine, 0.0, 0.0
+
+
+def flow_of(current: Current | None) -> Flow | None:
+    """Return the water of an exercise, None without any."""
+    if current is None:
+        return None
+    if current.table:
+        return Layers(current.table)
+    if current.tide:
+        return Ellipse(current.tide)
+    line = (*vector(current.set_deg or 0.0, current.drift_kn or 0.0), 0.0, 0.0)
+    return lambda _time, _depth: line
+
+
+@dataclass(frozen=True)
+class Change:
+    """Another current, ordered at a tick."""
+
+    tick: int
+    line: Line
+
+
+@dataclass
+class CurrentAround:
+    """The current of one run, a part of its world."""
+
+    step: float  # [s]
+    ramp: float  # [s] of an order
+    flow: Flow | None  # as the exercise has it
+    changes: list[Change] = field(default_factory=list)  # those that still count
+
+    @property
+    def acts(self) -> bool:
+        """Return whether there is any current, or was."""
+        return self.flow is not None or bool(self.changes)
+
+    def obey(self, order: Order, tick: int) -> Reply:
+        """Let another current come about over the ramp, in place of all that there is."""
+        line = STILL if order.word == "off" else uniform(order.numbers[0], order.value)
+        past = [i for i, each in enumerate(self.changes) if self._share(each, tick) >= 1.0]
+        self.changes = [*self.changes[past[-1] if past else 0 :], Change(tick, line)]
+        return f"{order.text}: {current_text(*line[:2])}, within {self.ramp:g} s"
+
+    def forget(self) -> None:
+        """Be as the exercise has it."""
+        self.changes = []
+
+    def write(self, state: Any) -> None:
+        """Write the current at the boat's depth for the tick that comes."""
+        tick, depth = int(state.tick), float(state.z)
+        state.current[:] = self.at(tick, depth)
+
+    def at(self, tick: int, depth: float) -> Line:
+        """Return the current of a tick as the line at a depth [m]."""
+        line = self.flow(tick * self.step, depth) if self.flow else STILL
+        for each in self.changes:
+            line = _between(line, each.line, self._share(each, tick))
+        return line
+
+    def _share(self, change: Change, tick: int) -> float:
+        """Return how much of a change has come about, 0 to 1."""
+        return min(max((tick - change.tick) * self.step / self.ramp, 0.0), 1.0)
+
+
+def _between(old: Line, new: Line, share: float) -> Line:
+    """Return what is ``share`` of the way from one line to another."""
+    if share >= 1.0:
+        return new
+    a, b, c, d = (here + share * (there - here) for here, there in zip(old, new, strict=True))
+    return a, b, c, d
+
+
+def make_current(boat: Any, tables: WorldTables) -> CurrentAround:
+    """Return the current of an exercise around a boat."""
+    current: Current | None = tables.get("current")
+    ramp = current.ramp_s if current else SLOWEST
+    return CurrentAround(boat.method.step, ramp, flow_of(current))
+
+
+def current_text(north: float, east: float) -> str:
+    """Return water over ground [m/s] in words."""
+    drift = math.hypot(north, east) / KNOT
+    if drift < 0.005:  # it is written as zero
+        return "no current"
+    towards = round(math.degrees(math.atan2(east, north))) % 360
+    return f"towards {towards:03d} at {drift:.3g} kn"

@@ -1,0 +1,156 @@
+"""A current, as an exercise or a sea file has it: uniform, by depth, or a tide."""
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.config.files import ConfigError, Place
+from trainer.config.schema import (
+    Quantity,
+    Table,
+    list_schema,
+    of,
+    optional,
+    read_record,
+    record_schema,
+    tables_of,
+    usual,
+    within,
+)
+
+MOON: Final = 12.4206  # [h] between tides: M2, the moon's
+SLOWEST: Final = 60.0  # [s] of a change, below which the water's own acceleration is felt
+DRIFT: Final = within(0, 10)  # [kn]
+TOWARDS: Final = within(0, 360)  # [deg]
+MOST: Final = 50  # rows of a table
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Rows of depth, set and drift, from above downwards."""
+
+    meaning: str
+    columns: tuple[Quantity, ...] = (
+        Quantity("m", within(0, 12000), "depth"),
+        Quantity("deg", TOWARDS, "set"),
+        Quantity("kn", DRIFT, "drift"),
+    )
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "m, deg, kn", f"1 to {MOST} rows", self.meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        row = {
+            "prefixItems": [each.schema for each in self.columns],
+            **list_schema({"type": "number"}, len(self.columns), len(self.columns)),
+        }
+        return list_schema(row, 1, MOST)
+
+    def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, ...], ...]:
+        """Return the rows; ConfigError naming the first number that is wrong."""
+        if not isinstance(value, list) or not 1 <= len(value) <= MOST:
+            told = f"must be a list of 1 to {MOST} rows [depth m, set deg, drift kn]"
+            raise ConfigError(place.wrong(key, value, told))
+        rows = tuple(self._row(f"{key}[{i}]", row, place) for i, row in enumerate(value))
+        for i, (upper, lower) in enumerate(itertools.pairwise(rows), start=1):
+            if lower[0] <= upper[0]:
+                told = f"depths must rise: {lower[0]:g} m is not below {upper[0]:g} m"
+                raise ConfigError(place.wrong(f"{key}[{i}]", value[i], told))
+        return rows
+
+    def _row(self, key: str, row: object, place: Place) -> tuple[float, ...]:
+        if not isinstance(row, list) or len(row) != len(self.columns):
+            told = "must be three numbers: depth m, set deg, drift kn"
+            raise ConfigError(place.wrong(key, row, told))
+        return tuple(
+            kind.read(f"{key}[{i}]", item, place)
+            for i, (kind, item) in enumerate(zip(self.columns, row, strict=True))
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tide:
+    """A current that turns: its tip runs round an ellipse."""
+
+    major_kn: float = of(Quantity("kn", DRIFT, "strongest"))
+    minor_kn: float = usual(
+        0.0, Quantity("kn", within(-10, 10), "weakest; above 0 it turns clockwise, 0: to and fro")
+    )
+    towards_deg: float = of(Quantity("deg", TOWARDS, "true, where the strongest sets"))
+    period_h: float = usual(MOON, Quantity("h", within(1, 1000), f"once round; else {MOON:g}"))
+    phase_h: float = usual(
+        0.0, Quantity("h", within(-1000, 1000), "since the strongest at the start; else 0")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Current:
+    """One of the forms, and how fast an order changes it. Sets are towards."""
+
+    set_deg: float | None = optional(Quantity("deg", TOWARDS, "true, where the water goes to"))
+    drift_kn: float | None = optional(Quantity("kn", DRIFT, "its speed over ground"))
+    table: tuple[tuple[float, ...], ...] | None = optional(
+        Profile("by depth: `[depth, set, drift]`, depths rising; straight between, ends held")
+    )
+    tide: Tide | None = optional(Table(Tide, "by time, below"))  # noqa: RUF009  (a frozen description)
+    ramp_s: float = usual(
+        SLOWEST, Quantity("s", within(SLOWEST, 3600), f"of an order's change; else {SLOWEST:g}")
+    )
+
+
+RECORDS: Final = {"current": Current, "current.tide": Tide}
+FORMS: Final[Mapping[str, tuple[str, ...]]] = {
+    "set_deg with drift_kn": ("set_deg", "drift_kn"),
+    "table": ("table",),
+    "tide": ("tide",),
+}
+
+
+def read_current(value: object, place: Place, _path: Path) -> Current:
+    """Return the current of one table; ConfigError with all that is wrong."""
+    current = read_record(Current, value, place, ("note",))
+    if problem := _problem(current):
+        raise ConfigError(place.problem(problem))
+    return current
+
+
+def _problem(current: Current) -> str:
+    """Return why the keys make no current, "" where they do."""
+    keys = [item.name for item in fields(Current) if item.name != "ramp_s"]
+    there = [key for key in keys if getattr(current, key) is not None]
+    forms = [name for name, own in FORMS.items() if any(key in there for key in own)]
+    if len(forms) != 1:
+        have = f"has {', '.join(there)}" if there else "has none of them"
+        return f"{have}: give one of {', '.join(FORMS)}"
+    (form,) = forms
+    lacking = [key for key in FORMS[form] if key not in there]
+    if lacking:
+        return f"has {there[0]} and lacks {lacking[0]}: give one of {', '.join(FORMS)}"
+    return _tide_problem(current.tide) if current.tide else ""
+
+
+def _tide_problem(tide: Tide) -> str:
+    """Return why a tide is none, "" where it is one."""
+    if abs(tide.minor_kn) > tide.major_kn:
+        return (
+            f"tide minor_kn = {tide.minor_kn:g}: is more than major_kn = {tide.major_kn:g}; "
+            "the strongest is the major one"
+        )
+    return ""
+
+
+def key_tables() -> str:
+    """Return the Markdown tables of every key, as docs/world.md shows them."""
+    return tables_of(RECORDS)
+
+
+def current_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a table [current]; one of the forms is given."""
+    forms = [{"required": [*keys]} for keys in FORMS.values()]
+    return {**record_schema(Current, ("note",)), "oneOf": forms}
