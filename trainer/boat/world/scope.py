@@ -172,15 +172,16 @@ class Periscope:
 
     @property
     def acts(self) -> bool:
-        """Return whether the mast may show."""
-        return self._fitted is not None and self.at(self._boat.ticks).out > 0.0
+        """Return whether the mast has been ordered up: it may show."""
+        return self._stood[-1].raised > 0
 
     def write(self, state: Any) -> None:
         """Write nothing; note that the head is out of the water."""
         tick = int(state["tick"])
         while self._shown and self._shown[-1] >= tick:
             self._shown.pop()
-        if self.height(self.at(tick)) > 0.0:
+        mast = self.at(tick)
+        if mast.out > 0.0 and self.height(mast) > 0.0:
             self._shown.append(tick)
 
     def exposed(self, tick: int, *, raised: bool) -> float:

@@ -40,6 +40,7 @@ class World:
     """All parts, by the names of the orders that they obey."""
 
     parts: Mapping[str, Part] = field(default_factory=dict)
+    changes: int = 0  # how often orders have changed it
     changed: Callable[[], object] = field(default=lambda: None, repr=False, compare=False)
 
     @property
@@ -57,6 +58,7 @@ class World:
         """Have a part obey an order of its own."""
         part = self.parts.get(order.name)
         answer = part.obey(order, tick) if part else Refused(f"there is no {order.name} here")
+        self.changes += 1
         self.changed()
         return answer
 
@@ -67,6 +69,7 @@ class World:
         for tick, order in orders:
             if order.name in self.parts:
                 self.parts[order.name].obey(order, tick)
+        self.changes += 1
         self.changed()
 
 
