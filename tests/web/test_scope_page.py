@@ -45,10 +45,13 @@ BEYOND: Final = """() => [...document.querySelectorAll("main button, main input"
         const { left, right, top, bottom } = each.getBoundingClientRect();
         return left < -1 || top < -1 || right > innerWidth + 1 || bottom > innerHeight + 1;
     }).map((each) => each.textContent)"""
-# Levels of the page's own sea, and what it has of each ship.
-LEVEL: Final = "([x, y]) => { const { sea } = document.querySelector('scope-view');\n" + (
-    "sea.run(0); return sea.level(x, y); }"
-)
+# the level of the page's own sea
+LEVEL: Final = """([x, y]) => {
+  const { sea } = document.querySelector("scope-view");
+  sea.run(0);
+  return sea.level(x, y);
+}"""
+LEFT: Final = "\u22121\u00b0"  # one degree to the left
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +89,7 @@ def test_every_key_reaches_the_boat(traffic: Served, desk: Caller, look: Look, w
     page = opened(look, traffic, size="desk", has_touch=way == "touch")
     work(page, page.get_by_role("button", name="6", exact=False).last, way)
     await_truth(desk, "scope.power", "6.0")
-    for name, wanted in (("+10°", "10.0"), ("−1°", "9.0"), ("Ahead", "0.0")):
+    for name, wanted in (("+10°", "10.0"), (LEFT, "9.0"), ("Ahead", "0.0")):
         work(page, page.get_by_role("button", name=name, exact=True), way)
         await_truth(desk, "scope.train", wanted)
     work(page, page.get_by_role("button", name="Range"), way)
@@ -144,9 +147,8 @@ def test_a_trainee_s_page_is_told_no_range(traffic: Served, look: Look) -> None:
 
 
 @pytest.mark.parametrize("size", SIZES)
-def test_the_view_and_every_key_have_room(
-    traffic: Served, desk: Caller, look: Look, size: str
-) -> None:
+@pytest.mark.usefixtures("desk")
+def test_the_view_and_every_key_have_room(traffic: Served, look: Look, size: str) -> None:
     page = opened(look, traffic, size=size)
     assert page.evaluate(BEYOND) == []
     box = page.locator("scope-view").bounding_box()
@@ -165,13 +167,15 @@ def test_a_mast_that_is_down_shows_nothing_and_says_so(shared: Served, look: Loo
     expect(view).to_have_attribute("aria-label", "Scope down")
 
 
-def test_the_instructor_sees_mast_and_exposure(traffic: Served, desk: Caller, look: Look) -> None:
+@pytest.mark.usefixtures("desk")
+def test_the_instructor_sees_mast_and_exposure(traffic: Served, look: Look) -> None:
     page = look(traffic, "instructor", size="desk")
     row = page.locator("tr[data-of=mast]")
     expect(row).to_contain_text("8.0 out", timeout=SLOW)
     expect(row).to_contain_text("shown")
 
 
-def test_who_wants_no_motion_sees_a_still_view(traffic: Served, desk: Caller, look: Look) -> None:
+@pytest.mark.usefixtures("desk")
+def test_who_wants_no_motion_sees_a_still_view(traffic: Served, look: Look) -> None:
     page = opened(look, traffic, reduced_motion="reduce")
     assert page.evaluate("document.querySelector('scope-view').scene.roll") == 0

@@ -8,8 +8,9 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from operator import attrgetter
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Any, Final, NamedTuple
 
+from trainer.boat.world.contacts import Seen, contacts_in
 from trainer.config.vessel_records import Scope
 from trainer.config.world import WorldTables
 from trainer.core.casualties import instruments
@@ -36,32 +37,6 @@ class Mast(NamedTuple):
     train: float = 0.0  # [rad] off the bow, clockwise
     power: float = LOW
     raised: int = 0  # how often it has been ordered up
-
-
-class Light(Protocol):
-    """A light of a ship: see the module of lights."""
-
-    colour: str
-    begins: float
-    ends: float
-    ahead: float
-    starboard: float
-    height: float
-    range_nm: float
-
-
-class Target(Protocol):
-    """A ship that may be seen: place, course and sizes [SI]."""
-
-    name: str
-    type: str
-    north: float
-    east: float
-    course: float
-    length: float
-    beam: float
-    mast: float
-    lights: Sequence[Any]
 
 
 class Eye(NamedTuple):
@@ -116,7 +91,7 @@ def hidden(distance: float, eye: float) -> float:
     return beyond * beyond / (2.0 * EARTH)
 
 
-def look_at(target: Target, eye: Eye) -> Sight | None:
+def look_at(target: Seen, eye: Eye) -> Sight | None:
     """Return how a ship is seen. None: it is below the horizon, or the head is washed over."""
     north, east = target.north - eye.north, target.east - eye.east
     distance = max(math.hypot(north, east), 1.0)
@@ -137,7 +112,7 @@ def look_at(target: Target, eye: Eye) -> Sight | None:
     )
 
 
-def _lamps(target: Target, aspect: float, distance: float, eye: float) -> Iterable[Lamp]:
+def _lamps(target: Seen, aspect: float, distance: float, eye: float) -> Iterable[Lamp]:
     """Yield the lights that show: within their sector and range, over the horizon."""
     least = hidden(distance, eye)
     for light in target.lights:
@@ -317,7 +292,7 @@ def eye_height(boat: Any) -> float:
     return scope.height(scope.at(boat.ticks)) if scope else math.nan
 
 
-def targets(boat: Any, tick: int) -> Sequence[Target]:
+def targets(boat: Any, tick: int) -> Sequence[Seen]:
     """Return the ships near a boat at a tick, none where the exercise has none."""
-    contacts = boat.world.parts.get("contact")
+    contacts = contacts_in(boat)
     return contacts.seen(tick) if contacts else ()

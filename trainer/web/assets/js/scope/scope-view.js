@@ -59,6 +59,7 @@ class ScopeView extends Chart {
     this.water = new Water();
     /** @type {Scene | null} */
     this.scene = null;
+    this.mask = document.createElement("canvas");
     this.washed = -Infinity; // [s] when the glass was last under water
     this.eye = 0; // [m] over the waves
   }
@@ -75,20 +76,14 @@ class ScopeView extends Chart {
     if (!scene || !area) return;
     const { pen, width, height } = area;
     const radius = 0.5 * Math.min(width, height) - 2;
-    const middle = [0.5 * width, 0.5 * height];
     const light = LIGHTS[document.documentElement.dataset.palette ?? "dusk"] ?? LIGHTS.dusk;
-    pen.fillStyle = "#000000";
-    pen.beginPath();
-    pen.arc(middle[0], middle[1], radius, 0, 2 * Math.PI);
-    pen.fill();
-    pen.save();
-    pen.clip();
     const shown = scene.view === "" || scene.view === "down" ? "dark" : this.look(scene, area, radius, light);
-    pen.restore();
     this.dataset.view = shown;
     if (shown === "dark") this.tell(area, scene.words);
-    else wires(area, scene, radius, light);
-    rim(pen, middle, radius);
+    else {
+      wires(area, scene, radius, light);
+      pen.drawImage(this.tube(width, height, radius), 0, 0, width, height);
+    }
   }
 
   /** Draws what is seen; returns what is in its way. @param {Scene} scene @param {import("../charts/chart.js").Area} area @param {number} radius @param {Light} light */
@@ -154,6 +149,23 @@ class ScopeView extends Chart {
     return scene.view;
   }
 
+  /** Returns the black tube round the view, drawn once for a size. @param {number} width @param {number} height @param {number} radius */
+  tube(width, height, radius) {
+    const { mask } = this;
+    const [wide, high] = [Math.round(width), Math.round(height)];
+    if (mask.width === wide && mask.height === high) return mask;
+    [mask.width, mask.height] = [wide, high];
+    const pen = mask.getContext("2d");
+    if (!pen) return mask;
+    const [x, y] = [0.5 * width, 0.5 * height];
+    const shade = pen.createRadialGradient(x, y, 0.9 * radius, x, y, radius);
+    shade.addColorStop(0, "#00000000");
+    shade.addColorStop(1, "#000000");
+    pen.fillStyle = shade;
+    pen.fillRect(0, 0, width, height);
+    return mask;
+  }
+
   /** Writes words where nothing is seen. @param {import("../charts/chart.js").Area} area @param {string} words */
   tell({ pen, width, height, size, face }, words) {
     pen.fillStyle = "#d8d8d4";
@@ -217,17 +229,6 @@ function tape(pen, { x, y, radius, scale, size, face }, scene) {
   pen.moveTo(x, top + 2);
   pen.lineTo(x - 5, top - 6);
   pen.lineTo(x + 5, top - 6);
-  pen.fill();
-}
-
-/** Draws the rim of the eyepiece. @param {CanvasRenderingContext2D} pen @param {number[]} middle @param {number} radius */
-function rim(pen, [x, y], radius) {
-  const shade = pen.createRadialGradient(x, y, 0.9 * radius, x, y, radius);
-  shade.addColorStop(0, "#00000000");
-  shade.addColorStop(1, "#000000d0");
-  pen.fillStyle = shade;
-  pen.beginPath();
-  pen.arc(x, y, radius, 0, 2 * Math.PI);
   pen.fill();
 }
 
