@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.analysis.debrief.scoring import attain  # type: ignore[attr-defined]
+from trainer.analysis.debrief.scoring import attain
 from trainer.analysis.debrief.trajectory import COLUMNS, Trajectory
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey

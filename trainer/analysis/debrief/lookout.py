@@ -1,4 +1,4 @@
-"""The periscope on a passage: its head over the sea, ships in sight, and their marks."""
+"""The periscope on a passage: its head over the sea, ships in sight, their marks."""
 
 import math
 import re

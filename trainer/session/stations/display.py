@@ -86,7 +86,8 @@ def in_words(channel: Channel, frame: Frame) -> list[str]:
 
 def panel(channels: tuple[str, ...], frame: Frame) -> list[str]:
     """Return the instruments of some channels in words, for the order ``status``."""
-    shown = (CHANNELS[name] for name in channels if name in CHANNELS)
+    there = (CHANNELS[name] for name in channels if name in CHANNELS)
+    shown = (each for each in there if not all(field.packed for field in each.fields))
     return [line for channel in shown for line in in_words(channel, frame)]
 
 

@@ -41,10 +41,13 @@ const motion = new Motion(session, {
   heading: { place: "gauges.heading", most: FASTEST.turn, turns: true },
 });
 
+/** @type {number | null} where it is to be trained [deg], until that is ordered */
+let aim = null;
+
 /** Where the scope points off the bow [deg], as ordered here or as it stands. */
 function trained() {
   const stands = session.number("scope.train") ?? 0;
-  return Number(pending.resolve("train", round(stands)));
+  return aim ?? Number(pending.resolve("train", round(stands)));
 }
 
 /** Returns an angle from 0 to 360 in tenths. @param {number} degrees */
@@ -53,16 +56,16 @@ function round(degrees) {
 }
 
 const sendTrain = paced(ORDERS, async () => {
-  const [wanted] = [trained()];
+  const wanted = trained();
+  pending.give("train", wanted);
+  aim = null;
   pending.answered("train", await give(`scope train ${wanted}`));
 });
 
 /** Trains the scope to an angle off the bow. @param {number} degrees */
 function train(degrees) {
   if (!session.live || !fitted()) return;
-  if (!pending.waits("train")) pending.give("train", round(degrees));
-  const wanted = pending.wanted.get("train");
-  if (wanted) wanted.value = round(degrees);
+  aim = round(degrees);
   sendTrain();
   draw();
 }
@@ -85,7 +88,7 @@ for (const key of document.querySelectorAll("[data-train]")) {
   key.addEventListener("click", () => train(by === "ahead" ? 0 : trained() + Number(by)));
 }
 const form = /** @type {HTMLFormElement} */ (one("#range"));
-form.onsubmit = async (event) => {
+form.onsubmit = async (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
   const height = /** @type {HTMLInputElement} */ (one("input", form)).valueAsNumber;
   const answer = await session.order(`scope range ${height}`);
