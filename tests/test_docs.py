@@ -110,7 +110,13 @@ def example_files(page: str) -> list[str]:
 
 # page, how its examples are run: what a newcomer copies from a page must do as it stands there
 FLIGHT = ["run", "--headless", "--speed", "max", "--duration", "60"]
+ANY = 'schema = "exercise/1"\nname = "Any"\nbriefing = "Any."\n'
 EXAMPLES = [
+    *(
+        (ANY + text, ["./example.toml"])
+        for text in example_files("world.md")
+        if text.startswith("[current]")
+    ),
     *((text, ["--sea", "./example.toml"]) for text in example_files("seas.md")),
     *((text, ["./example.toml"]) for text in example_files("exercises.md")),
 ]

@@ -4,13 +4,18 @@ MARINER in three degrees of freedom, in the form of Abkowitz; regression values 
 document of the vessel data, section 5.
 """
 
+import json
 import math
+import re
+import shlex
 import tomllib
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 import pytest
-from helpers.places import DATA
+from click.testing import CliRunner
+from helpers.places import DATA, ROOT
 
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
@@ -18,7 +23,12 @@ from trainer.analysis.manoeuvres.spiral import PullOut, ReverseSpiral, Spiral
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import Control
 from trainer.analysis.manoeuvres.zigzag import ZigZag
-from trainer.config.files import ConfigError
+from trainer.cli.main import cli
+from trainer.config.files import ConfigError, shipped
+from trainer.identify.kernels.ship_forces import ROWS, add_terms, set_terms
+from trainer.identify.ships.models import model_for
+from trainer.identify.ships.ship_file import load_ship, parse_ship
+from trainer.identify.ships.vehicle import IdentifiedShip
 
 TABLES: dict[str, Any] = tomllib.loads((DATA / "mariner_chislett.toml").read_text(encoding="utf-8"))
 E = 1e-5  # of every derivative in the file
@@ -183,6 +193,86 @@ def test_a_ship_unstable_on_course_turns_by_itself_and_the_reverse_spiral_shows_
     # a slow turn to starboard has to be held by rudder to port of what holds the ship straight
     assert (reverse["rudder at 17 %"] or 0.0) > (reverse["rudder at 0 %"] or 0.0)
     assert (reverse["rudder at 33 %"] or 0.0) < math.radians(15.0) / 3.0
+
+
+def shipped_rates(state: np.ndarray, rudder: float) -> np.ndarray:
+    """Return du/dt, dv/dt and dr/dt of the shipped file's ship."""
+    file = load_ship(shipped("ships", "mariner"))
+    model = model_for(file, "abkowitz", wind=False)
+    work, out = np.empty((ROWS, 1)), np.empty((3, 1))
+    inputs = np.array([rudder, 1.25, 0.0, 0.0])
+    set_terms(work, file.constants, state, inputs, np.zeros(5))
+    add_terms(work, model.terms, model.whole(file.coefficients), file.dimensions.length_m, out)
+    return out[:, 0]
+
+
+@pytest.mark.parametrize("rudder", [-35.0, 0.0, 20.0])
+def test_the_shipped_cargo_ship_accelerates_as_published(rudder: float) -> None:
+    published, angle = Mariner(0.1), math.radians(rudder)
+    for du, v, r in np.random.default_rng(1).uniform(-1.0, 1.0, (20, 3)) * (3.0, 2.0, 0.02):
+        rates = published.rates(np.array([du, v, r, 0.0, 0.0, 0.0, angle]))[:3]
+        own = shipped_rates(np.array([SHIP["U0"] + du, v, r]), angle)
+        assert own == pytest.approx(rates, rel=1e-5, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("angle", "advance", "tactical", "steady"),
+    [(35.0, 570.0, 1029.0, 1111.0), (20.0, 674.0, 1160.0, 1226.0)],
+)
+def test_the_shipped_cargo_ship_turns_from_the_rudder_that_holds_it_straight(
+    angle: float, advance: float, tactical: float, steady: float
+) -> None:
+    vessel = IdentifiedShip(load_ship(shipped("ships", "mariner")))
+    turn = Turn(angle, 900.0)
+    found = {one.name: one.value for one in turn.measures(fly(vessel, turn, SHIP["U0"]))}
+
+    # 1.2 degrees of rudder to port hold it straight, and angles count from there
+    assert found["advance"] == pytest.approx(advance, rel=0.03)
+    assert found["tactical diameter"] == pytest.approx(tactical, rel=0.03)
+    assert found["steady diameter"] == pytest.approx(steady, rel=0.03)
+
+
+def test_the_page_takes_the_shipped_cargo_ship_through_identification(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "nonlinear-ships.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```console\n(.*?)```", page, re.DOTALL)
+    lines = next(block for block in blocks if "turning-circle mariner" in block).splitlines()
+
+    *flown, answer = [CliRunner().invoke(cli, (*shlex.split(line)[2:], "--json")) for line in lines]
+    told = json.loads(answer.stdout)
+
+    assert [one.exit_code for one in flown] == [0, 0, 0]
+    assert answer.exit_code == 0, answer.output
+    assert told["settled"]
+    assert [one["name"] for one in told["coefficients"]][:3] == ["X_0", "X_vv", "X_vr"]
+    assert "held, by the ship's file: X_T 0, " in "".join(told["findings"])
+    assert told["predictions"][1]["explained"][2] > 99.5
+    gain = next(one for one in told["coefficients"] if one["name"] == "N_d")
+    assert gain["value"] == pytest.approx(1.6275, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("there", "instead", "said"),
+    [
+        ("advance_m = 6.174", "", r"\[dimensions\] lacks advance_m, which N_ddd needs"),
+        (
+            "Y_ddd =",
+            "Y_dddd =",
+            r"\[coefficients\] Y_dddd is none of model abkowitz; nearest is Y_ddd",
+        ),
+        ("N_v =", "N_vw =", r"\[coefficients\] lacks N_v$"),
+    ],
+)
+def test_a_ship_whose_polynomial_is_not_whole_is_refused(
+    there: str, instead: str, said: str
+) -> None:
+    path = shipped("ships", "mariner")
+    text = path.read_text(encoding="utf-8").replace(there, instead, 1)
+
+    with pytest.raises(ConfigError, match=said):
+        IdentifiedShip(parse_ship(text, path))
 
 
 def test_a_vehicle_without_the_control_is_refused_by_name() -> None:

@@ -35,7 +35,7 @@ from trainer.analysis.reduce.programme import (
     speeds,
     turns,
 )
-from trainer.analysis.reduce.search import LEASH, Need, Search, Standing
+from trainer.analysis.reduce.search import LEASH, Aim, Need, Search, Standing
 from trainer.analysis.reduce.verdict import PARTS, Checked, passes, table, verdict
 from trainer.analysis.reduce.workers import Crew
 from trainer.boat.assemble import Method, compact_coefficients
@@ -349,10 +349,12 @@ def test_a_fit_ends_in_its_goal_with_the_least_departure() -> None:
 # --- the search
 
 
-def searched(file: VesselFile, standing: Standing | None = None) -> Iterator[Standing]:
+def searched(
+    file: VesselFile, standing: Standing | None = None, *, quick: bool = False
+) -> Iterator[Standing]:
     """Yield the standings of a search, round by round."""
     with Crew(file.path, "modified", fit_legs(file), 1) as crew:
-        search = Search(file, "modified", crew, LEASH, CONTROLS)
+        search = Search(file, "modified", crew, Aim(crew.legs, LEASH, CONTROLS, quick))
         standing = standing or search.begin()
         while not standing.done:
             standing = search.round(standing, lambda: None)
@@ -370,6 +372,29 @@ def test_a_search_drops_what_nothing_needs_and_says_why_the_rest_stays(slim: Ves
     assert {need.term for need in last.needed} == kept - {"N_dr", "Y_dr"}
     assert all(need.worst > last.limit for need in last.needed)
     assert all(last.factors[i] == 0.0 for i in range(len(terms)) if i not in last.kept)
+
+
+def test_a_quick_search_flies_less_and_ends_in_the_same_limit(
+    slim: VesselFile, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flown: list[int] = []
+    own = Crew.differences
+
+    def counted(self: Crew, several: Sequence[Numbers]) -> list[Numbers]:
+        flown[-1] += len(several)
+        return own(self, several)
+
+    monkeypatch.setattr(Crew, "differences", counted)
+    ends = []
+    for quick in (False, True):
+        flown.append(0)
+        ends.append(list(searched(slim, quick=quick))[-1])
+    usual, fast = ends
+
+    assert flown[1] < 0.5 * flown[0]
+    assert fast.limit == usual.limit
+    assert len(usual.kept) <= len(fast.kept) < 1.3 * len(usual.kept)
+    assert len(fast.kept) < len(Candidate(slim, "modified").terms)
 
 
 def test_the_limit_follows_down_what_fewer_terms_reach(slim: VesselFile) -> None:

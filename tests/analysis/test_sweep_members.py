@@ -188,6 +188,9 @@ sea = "sea-state-4"
 [exercise.initial]
 speed_kn = 8.0
 depth_m = 20.0
+[exercise.current]
+set_deg = 30.0
+drift_kn = 1.0
 [[exercise.orders]]
 at_s = 5.0
 order = "rudder right {}"
@@ -235,6 +238,9 @@ sea = "{drawn["sea"]}"
 [initial]
 speed_kn = 8.0
 depth_m = 20.0
+[current]
+set_deg = 30.0
+drift_kn = 1.0
 [[orders]]
 at_s = 5.0
 order = "rudder right {drawn["rudder"]:.9f}"

@@ -1,6 +1,7 @@
 """The command trainer estimate: what it writes sails, and what is wrong is told in one line."""
 
 import json
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -341,9 +342,47 @@ def test_a_boat_of_each_sort_is_written(tmp_path: Path, sort: str) -> None:
     made = write_boat(load(str(hull)), tmp_path / "boat.toml")
 
     assert (made.file.autopilot is None) == bool(lack)
-    assert made.file.run.step_s == 0.2  # at 0.5 s its roll grows, or it runs far
+    assert made.file.run.step_s == 0.1  # at 0.2 s the formula feeds its roll, at 0.5 s it grows
     assert lack in "".join(made.lacks)
     assert made.file.surfaces.tail == ("x" if sort == "X-tail" else "cruciform")
     ahead, astern = made.file.thrust.ahead[0], made.file.propulsion.sets[-1]
     assert ahead.a + ahead.b + ahead.c == pytest.approx(0.0, abs=1e-12)
     assert astern.c / ahead.c == pytest.approx(-1.0 if sort == "no propeller" else -0.7, rel=1e-5)
+
+
+def test_the_step_lets_a_free_roll_die_out_by_the_compact_set_too() -> None:
+    from trainer.analysis.estimate.boat_file import (  # noqa: PLC0415
+        ROLLED,
+        load,
+        roll_frequency,
+        write_boat,
+    )
+    from trainer.analysis.reduce.objective import Candidate, Yardstick  # noqa: PLC0415
+    from trainer.analysis.reduce.programme import fit_legs  # noqa: PLC0415
+
+    file = write_boat(load("suboff"), Path("boat.toml")).file
+    leg = next(leg for leg in fit_legs(file) if leg.name == "roll-decay")
+    candidate, yardstick = Candidate(file, "modified"), Yardstick(file, [leg])
+    (judged,) = (judgements for _, judgements in yardstick.judged(candidate))
+    period = next(one.full for one in judged if one.quantity == "period")
+
+    assert period is not None
+    assert roll_frequency(file) == pytest.approx(2.0 * math.pi / period, rel=0.05)
+    assert roll_frequency(file) * file.run.step_s <= ROLLED
+    assert abs(yardstick.differences(candidate)).max() < 0.5  # of what is allowed
+
+
+def test_a_compact_set_is_searched_for_quickly_in_the_file_that_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[list[str]] = []
+    monkeypatch.setattr(
+        "trainer.cli.vessel.reduce.main", lambda words, **_: asked.append(list(words))
+    )
+    boat = tmp_path / "boat.toml"
+
+    done = type_estimate("small-boat", "-o", str(boat), "--draws", "0", "--reduce")
+
+    assert done.exit_code == 0, done.output
+    assert asked == [[str(boat), "--write", "--quick"]]
+    assert boat.exists()

@@ -23,6 +23,7 @@ FOLDERS = {
     "hull": "hulls",
     "exercise": "exercises",
     "sea": "seas",
+    "ship": "ships",
     "casualties": "casualties",
     "study": "studies",
 }

@@ -1,5 +1,7 @@
 """What a configuration file may say, and what its author is told when it is wrong."""
 
+import json
+import math
 import tomllib
 from collections.abc import Callable
 from dataclasses import fields
@@ -10,7 +12,14 @@ from helpers.places import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.config.files import ConfigError, collecting, read_text, shipped, shipped_names
+from trainer.config.files import (
+    ConfigError,
+    collecting,
+    json_text,
+    read_text,
+    shipped,
+    shipped_names,
+)
 from trainer.config.schema import Quantities, kind_of
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.config.vessel_records import Autopilot, key_tables
@@ -725,3 +734,12 @@ def test_a_file_with_noise_in_it_loads_or_is_refused(noise: str, at: int) -> Non
         assert len(parse_vessel(SMALL[:at] + noise + SMALL[at:], PLACE).coefficients) == 122
 
     assert all(text.startswith("boat.toml: ") and text.isprintable() for text in problems)
+
+
+def test_json_has_null_for_what_is_no_number() -> None:
+    found = {"a": [math.inf, (1.5, math.nan)], "b": {"c": -math.inf, "d": True, "e": "inf"}}
+
+    assert json.loads(json_text(found)) == {
+        "a": [None, [1.5, None]],
+        "b": {"c": None, "d": True, "e": "inf"},
+    }

@@ -16,6 +16,7 @@ from trainer.console.drawing.chart import (
     time_axis,
     unwrap,
 )
+from trainer.console.drawing.gauges import WIDTH, sea
 from trainer.console.drawing.panels import flowed, key_at, key_rows
 from trainer.console.drawing.plan import plan
 from trainer.console.guide import Reading, briefing_rows, broken, by_hand, guide, paragraphs
@@ -567,3 +568,18 @@ def test_the_briefing_names_the_stations_that_are_needed() -> None:
     assert by_hand("planes,speed").startswith("planes, speed; stations: planes, helm (a pilot")
     assert by_hand("ballast") == "ballast; stations: ballast"
     assert by_hand("") == ""
+
+
+def test_the_sea_s_line_has_set_drift_and_the_way_over_the_ground() -> None:
+    talk = tape()
+    model = sight_of(talk)
+    model.hear()
+    still = plain([sea(model)])
+    shown = {"set": "90.0", "drift": "2.00"}
+    shown |= {"course_over_ground": "50.6", "speed_over_ground": "11.47"}
+    talk.say(sentences.state("current", 121, 60.5, values("current", **shown)))
+    model.hear()
+    carried = plain([sea(model)])
+    assert "; set" not in still
+    assert "; set 090 2.0; ground 051 11.5" in carried
+    assert len(carried.partition(" > ")[0]) <= WIDTH

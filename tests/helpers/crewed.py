@@ -12,10 +12,13 @@ import pytest
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import arm
+from trainer.boat.limits import LimitMonitor
+from trainer.boat.world.world import world_of
 from trainer.config.condition import Loss, compile_condition
-from trainer.config.exercise import Armed
+from trainer.config.exercise import Armed, Limits
 from trainer.config.files import Place
 from trainer.config.vessel import load_vessel
+from trainer.config.world import WorldTables
 from trainer.io.lines import Overlong
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.sentences import order_sentence, read
@@ -71,9 +74,11 @@ class Crewed:
         seconds: float | None = 5.0,
         schedule: Sequence[Scheduled] = (),
         armed: Sequence[Armed] = (),
+        world: WorldTables | None = None,
     ) -> None:
         self.boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
         self.boat.start(10.0 * KNOT, 60.0, 0.0)
+        self.boat.world = world_of(self.boat, world or {})
         self.recording = Recording.create(path, {}, self.boat.records.state.tobytes())
         self.now = 0.0
         self.wake = threading.Event()
@@ -86,6 +91,7 @@ class Crewed:
             *(self.boat, time, history, NoFile(), (), self.sending),
             schedule=schedule,
             armed=armed,
+            monitor=LimitMonitor.over(self.boat, Limits()),
             wake=self.wake,
         )
         self.conduct = self.session.conduct

@@ -11,8 +11,8 @@ from click.testing import CliRunner
 
 from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
+from trainer.config.nomoto import load_nomoto
 from trainer.identify.measurements import Record
-from trainer.identify.nomoto import load_nomoto
 from trainer.identify.nonlinear import (
     CURVE,
     LINEAR,

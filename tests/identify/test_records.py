@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from helpers.places import ROOT
 
+from trainer.config import nomoto
 from trainer.config.files import ConfigError
-from trainer.identify import decca_study, nomoto
+from trainer.identify import decca_study
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.findings import examine, follows_motion, unwrap_heading
 from trainer.identify.sources import Column, factor, load_record, own_columns

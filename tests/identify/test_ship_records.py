@@ -25,7 +25,8 @@ from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.ships import vehicle
+from trainer.identify.ships import fit, vehicle
+from trainer.identify.ships.likelihood import Problem
 from trainer.identify.ships.models import model_of
 from trainer.identify.ships.records import load_trial
 from trainer.identify.ships.ship_file import (
@@ -405,6 +406,32 @@ def test_a_fit_has_a_page_of_its_own_in_which_markup_is_text(
     assert len(screens) == 3 + 3  # v', r', rudder
     assert text.count("<figure>") == 2 * 4 + 3 * 3
     assert "What the record cannot tell" in text
+
+
+def test_a_fit_that_has_no_slope_answers_null_and_says_why(
+    columns: Columns, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    record, ship = str(written(columns, tmp_path / "a.csv")), tmp_path / "ship.toml"
+    ship.write_text(ship_text(SHIP, ""), encoding="utf-8")
+    own = fit.held_slopes
+
+    def no_slopes(problem: Problem, a: Numbers) -> tuple[Numbers, Numbers]:
+        return tuple(math.nan * one for one in own(problem, a))  # type: ignore[return-value]
+
+    monkeypatch.setattr(fit, "held_slopes", no_slopes)
+    words = ("identify", record, "--model", "linear", "--ship", str(ship))
+    page, answer = asked(*words), asked(*words, "--json")
+
+    def refuse(name: str) -> None:
+        raise AssertionError(name)
+
+    told = json.loads(answer.stdout, parse_constant=refuse)
+    assert (page.exit_code, answer.exit_code) == (1, 1)
+    assert told["promise"] is None
+    assert "no slope" in told["doubt"]
+    assert all(one["deviation"] is None for one in told["coefficients"])
+    assert "DID NOT SETTLE" in page.stdout
+    assert "no slope" in page.stdout
 
 
 def test_the_python_face_sends_to_the_command(columns: Columns, tmp_path: Path) -> None:

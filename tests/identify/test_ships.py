@@ -18,7 +18,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record
 from trainer.identify.ships.fit import Fit, Found, fit, pose, promise_of, search
 from trainer.identify.ships.likelihood import Problem
-from trainer.identify.ships.models import TANKER, kijima, model_of, prior_of
+from trainer.identify.ships.models import FURTHER, TANKER, kijima, model_for, model_of, prior_of
 from trainer.identify.ships.results import explained, predict, untold
 from trainer.identify.ships.ship_file import key_tables
 
@@ -82,6 +82,26 @@ def differences(problem: Problem, a: Numbers, unit: Numbers) -> Numbers:
         at = [problem.cost(a + n * e) for n in (-2, -1, 1, 2)]
         found.append((at[0] - 8.0 * at[1] + 8.0 * at[2] - at[3]) / 12.0 / e.sum())
     return np.array(found)
+
+
+def test_the_gradient_holds_for_each_further_term_of_a_polynomial() -> None:
+    further = {name: 0.3 * (-1) ** i for i, name in enumerate(FURTHER)}
+    hull = replace(SHIP.dimensions, advance_m=5.0)
+    ship = replace(SHIP, dimensions=hull, coefficients={**further, "X_u": -0.4})
+    plain, first, _ = made_record("abkowitz")
+    model = model_for(ship, "abkowitz", wind=True)
+    model = replace(model, free=(*plain.model.free, *FURTHER))
+    p = len(model.free)
+    limits = np.zeros(p + 7), np.full(p + 7, math.inf), np.zeros(4)
+    problem = Problem(model, ship.constants, plain.trials, *limits)
+    a = np.concatenate([first[: p - len(further)], [*further.values()], first[p - len(further) :]])
+    _, g, H = problem.slopes(a)
+    known = np.sqrt(np.diag(H))
+
+    away = (differences(problem, a, 1e-3 / known) - g) / known
+
+    assert known.min() > 0.0
+    assert np.max(np.abs(away)) < 1e-6
 
 
 @pytest.mark.parametrize("wake", [0.0, 0.5])

@@ -18,10 +18,10 @@ from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.guide import manoeuvre
 from trainer.cli.identify import steering
 from trainer.config.files import ConfigError
+from trainer.config.nomoto import NomotoFile, is_nomoto, key_table, load_nomoto, nomoto_text_of
 from trainer.config.vessel import load_vessel
 from trainer.identify.derived import arms_of, nomoto_of
 from trainer.identify.models import MODELS
-from trainer.identify.nomoto import NomotoFile, is_nomoto, key_table, load_nomoto, nomoto_text_of
 from trainer.identify.nonlinear import Bent
 from trainer.identify.pages.steering import of_nomoto, panels
 from trainer.identify.steering import Steered

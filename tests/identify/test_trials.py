@@ -17,9 +17,18 @@ from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
+from trainer.identify.experiment import prbs
 from trainer.identify.ships.fit import problem_of, search
 from trainer.identify.ships.ship_file import ShipFile, parse_ship
-from trainer.identify.ships.trials import Design, TrialShip, design, flown_trial, sensors_of
+from trainer.identify.ships.trials import (
+    LEAD,
+    BinaryHelm,
+    Design,
+    TrialShip,
+    design,
+    flown_trial,
+    sensors_of,
+)
 from trainer.identify.sources import USUAL, Sensors
 from trainer.units import KNOT
 
@@ -28,6 +37,8 @@ KNOWN_TEXT = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)[1]
 SENSORS = Sensors(sway_kn=0.04, yaw_rate_deg_s=0.006, heading_deg=0.03)
 OPTIONS: dict[str, Any] = {
     "zigzag": (20.0, 20.0),
+    **dict.fromkeys(("amplitude", "hold", "bits")),
+    "seed": 1,
     "seconds": 800.0,
     "speeds": (),
     "interval": 5.0,
@@ -196,7 +207,7 @@ def asked(*words: str) -> Any:
 
 def test_the_page_s_command_sets_plans_side_by_side(file: str, monkeypatch: Any) -> None:
     monkeypatch.chdir(Path(file).parent)
-    (line,) = re.findall(r"\$ trainer prbs (known.toml .*)", PAGE)
+    line = re.findall(r"\$ trainer prbs (known.toml .*)", PAGE)[0]
 
     page, told = asked(*line.split()), asked(*line.split(), "--json")
 
@@ -204,7 +215,7 @@ def test_the_page_s_command_sets_plans_side_by_side(file: str, monkeypatch: Any)
     report = json.loads(told.output)
     assert [plan["name"] for plan in report["plans"]] == ["A", "B", "C"]
     assert report["outputs"] == ["speed", "sway", "yaw_rate", "heading"]
-    assert "C  from 15 kn; from 15 kn, revolutions of 8 kn: 400 s each" in page.output
+    assert "C  zig-zag from 15 kn; zig-zag from 15 kn, revolutions of 8 kn: 400" in page.output
     assert any(re.match("C tells .*kappa.* better than", text) for text in report["remarks"])
     # the page's table is what the command says
     for name in ("N_F", "kappa"):
@@ -219,17 +230,66 @@ def test_the_page_s_command_sets_plans_side_by_side(file: str, monkeypatch: Any)
         assert [float(x) for x in said.groups()] == pytest.approx(own, rel=0.02)
 
 
+def test_a_binary_sequence_beside_a_zig_zag_is_as_the_page_says(
+    file: str, monkeypatch: Any
+) -> None:
+    monkeypatch.chdir(Path(file).parent)
+    line = re.findall(r"\$ trainer prbs (known.toml .*)", PAGE)[1]
+
+    report = json.loads(asked(*line.split(), "--json").output)
+
+    assert [plan["name"] for plan in report["plans"]] == ["A", "B", "C"]
+    for name in ("N_r", "X_F", "N_F", "kappa"):
+        said = re.findall(rf"\| {name} \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \|", PAGE)[-1]
+        own = [
+            one["deviation"]
+            for plan in report["plans"]
+            for one in plan["coefficients"]
+            if one["name"] == name
+        ]
+        assert list(map(float, said)) == pytest.approx(own, rel=0.02), name
+        if name == "N_r":
+            assert own[1] < 0.7 * own[0]
+
+
+def test_the_rudder_follows_the_register_again_and_again_from_where_it_held(
+    known: ShipFile,
+) -> None:
+    helm = BinaryHelm(angle_deg=10.0, hold_s=30.0, bits=3, duration_s=400.0)
+    flight = fly(TrialShip(known, 15.0 * KNOT), helm, 15.0 * KNOT)
+
+    rudder = np.degrees(flight.change("delta_r"))
+    ends = LEAD + 30.0 * np.arange(1, 14) - 1.0  # by then it has swung over
+    seen = np.interp(ends, flight.t, rudder)
+
+    assert flight.t[-1] == pytest.approx(400.0, abs=1.0)
+    assert seen == pytest.approx(10.0 * np.resize(prbs(3), 13), abs=1e-6)
+    assert len(flight.marks) == 1 + np.count_nonzero(np.diff(np.resize(prbs(3), 14)))
+
+
+def test_bits_and_register_fit_the_ship_and_the_time(known: ShipFile) -> None:
+    alone = {"zigzag": None, "amplitude": 15.0, "seconds": 900.0}
+    (helm,) = design(known, OPTIONS | alone).report.helms
+
+    assert helm.hold_s == pytest.approx(320.0 / (15.5 * KNOT))
+    assert helm.bits == 5  # 22 bits of it, of a period of 31
+    assert "sequence of 15 deg, bits of 40.1 s, register of 5" in str(helm)
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
         ((), "say its --zigzag"),
-        (("--zigzag", "20/20", "--amplitude", "3"), "--amplitude: not with a ship"),
+        (("--zigzag", "20/20", "--periods", "3"), "--periods: not with a ship"),
+        (("--zigzag", "20/20", "--bits", "3"), "--bits: of a sequence: say its --amplitude"),
+        (("--amplitude", "40"), "--amplitude: the rudder goes to 35 deg, not 40"),
+        (("--amplitude", "20", "--bits", "3", "--seed", "8"), "takes 1 to 7"),
         (("--zigzag", "40/20"), "the rudder goes to 35 deg, not 40"),
         (("--zigzag", "20/20", "--speed", "15/fast"), "'fast' is not a valid float"),
         (("--zigzag", "20/20", "--speed", "61"), "61"),
         (("--zigzag", "20/20", *("--speed", "9") * 5), "a page has room for 4"),
         (("--zigzag", "20/20", "--output", "heading"), "told by sway with yaw_rate or heading"),
-        (("--zigzag", "20/20", "--seconds", "40"), "samples of a zig-zag; needs 30 or more"),
+        (("--zigzag", "20/20", "--seconds", "40"), "samples of a trial; needs 30 or more"),
     ],
 )
 def test_what_cannot_be_tried_is_refused(file: str, words: tuple[str, ...], told: str) -> None:

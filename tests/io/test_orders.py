@@ -158,7 +158,7 @@ def test_an_order_is_understood(line: str, name: str, value: float, word: str, t
         ("flood auxiliary -5", "takes no sign"),
         ("dive 80", '"80" is too much after "dive"'),
         ("vent a open", '"a" may be aft or all'),
-        ("c auto", '"c" may be casualty, clear or course'),
+        ("c auto", '"c" may be casualty, clear, contact or course'),
         ("rudder lefy 15", "did you mean left?"),
         ("rudder 15", "rudder left or rudder right"),
         (

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import active
 from trainer.config.files import remembering
-from trainer.io.recording.recording import Recording
+from trainer.io.recording.absence import NoRecording
+from trainer.io.recording.recording import Recording, RecordingError
 from trainer.io.tables import COLUMNS, NoFile
 from trainer.session.header import header_of, layout_of
 from trainer.session.history import History
@@ -35,7 +36,7 @@ from trainer.session.time.timekeeping import Timekeeping
 STEP = 0.5  # [s]
 LAST = 160  # tick
 STOP = 100  # tick at which the exercise freezes time
-# A sea, noisy gauges, a ramp, a flooding, a trigger, tanks at work, the autopilot.
+# A sea, a current, noisy gauges, a ramp, a flooding, a trigger, tanks at work, the autopilot.
 EXERCISE = """
 schema = "exercise/1"
 name = "All at once"
@@ -46,6 +47,9 @@ seed = 23
 [initial]
 depth_m = 40
 speed_kn = 8
+
+[current]
+table = [[0, 90, 2], [100, 120, 1]]
 
 [[orders]]
 at_s = 7.2
@@ -82,7 +86,7 @@ ENTRIES = 6  # of its schedule
 GIVEN = {
     0: ["depth 60"],
     30: ["flood auxiliary 2 t", "casualty gyro-noisy 2 ramp 9"],
-    44: ["hover on", "freeze tanks", "release tanks"],
+    44: ["hover on", "freeze tanks", "release tanks", "current set 045 drift 3"],
     110: ["drain aft", "clear flooding-aft", "speed 40"],
     130: ["rudder left 10", "hover off"],
 }
@@ -127,7 +131,7 @@ class Bridge:
 class Ship:
     """A session of the exercise, recorded, frozen at its start."""
 
-    def __init__(self, exercise: Path) -> None:
+    def __init__(self, exercise: Path, unrecorded: NoRecording | None = None) -> None:
         options = RunOptions(
             exercise=str(exercise), equations="full", given=frozenset(("equations",))
         )
@@ -136,7 +140,7 @@ class Ship:
         self.boat = self.new_boat()
         header = header_of(options, texts, self.boat)
         self.recording = Recording.create(None, header, self.state)
-        self.history = History(self.boat, self.recording)
+        self.history = History(self.boat, unrecorded or self.recording)
         self.bridge = Bridge()
         time = Timekeeping.at(MonotonicClock(), STEP, math.inf, Policy.CATCH_UP)
         self.session = Session(
@@ -223,7 +227,47 @@ def plain(exercise: Path) -> list[bytes]:
         assert "rudder-slow" in [each.kind for each in active(ship.boat)]
         assert s.sea_height > 1.0
         assert not s.stern_by_hand
+        assert s.shear_north != 0.0  # the current of the file has not gone yet
+        assert s.water_north > 0.5  # and the one that was ordered has come
         return ship.flown()
+
+
+def test_without_a_recording_the_current_that_was_ordered_comes_back_too(
+    exercise: Path, plain: list[bytes]
+) -> None:
+    ship = Ship(exercise, NoRecording())
+
+    def back() -> Lines:
+        yield from onward(ship, 120)
+        yield "backtrack 20 s"
+        assert ship.tick == 80
+        assert ship.state == plain[80]
+        yield from onward(ship, LAST)
+
+    with contextlib.closing(ship.recording):
+        ship.sail(back())
+        assert ship.state == plain[LAST]
+
+
+def test_a_past_that_cannot_be_read_leaves_the_boat_where_she_is(
+    ship: Ship, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unreadable(*_: object) -> None:
+        raise RecordingError("locked by another program")
+
+    def back() -> Lines:
+        yield from onward(ship, 60)
+        yield "snapshot here"
+        yield from onward(ship, 100)
+        with monkeypatch.context() as broken:
+            broken.setattr(ship.recording, "orders", unreadable)
+            before = ship.state
+            yield "restore here"
+            assert ship.state == before
+        yield from onward(ship, LAST)
+
+    ship.sail(back())
+    assert "locked by another program" in ship.said("locked")
 
 
 # The ways; each comes to the last tick in the end

@@ -157,8 +157,35 @@ def test_marks_charts_windows_tabs_and_tanks_are_worked(
     expect(page.locator("#log")).to_contain_text("sea from 045")
     work(page, page.locator("#calm"), way)
     expect(page.locator("#log")).to_contain_text("sea calm")
+    expect(page.locator("#sea")).to_contain_text("Current towardsnone")
+    page.locator("#current-set").fill("090")
+    page.locator("#current-drift").fill("1.5")
+    work(page, page.locator("#current-orders button").first, way)
+    expect(page.locator("#log")).to_contain_text("current set 090 drift 1.5")
+    page.locator("#step").click()
+    page.locator("#step").click()
+    await_truth(caller, "current.set", "90.0")
+    expect(page.locator("#sea")).to_contain_text("Current towards090")
+    work(page, page.locator("#no-current"), way)
+    expect(page.locator("#log")).to_contain_text("current off")
     work(page, page.locator("#track-tab"), way)
     expect(page.locator("track-chart")).to_be_visible()
+
+
+def test_ships_near_are_listed_and_gone_when_they_are_removed(
+    shared: Served, look: Look, caller: Caller
+) -> None:
+    page = settled(shared, look)
+    page.locator("#ships-tab").click()
+    expect(page.locator("#no-ships")).to_be_visible()
+    assert caller.ask("contact add ferry1 ferry at 0 1500 course 270 speed 12")[0]
+    row = page.locator("#ships tbody tr >> nth=0")
+    expect(row.locator("th")).to_have_text("ferry1")
+    expect(row.locator("td >> nth=0")).to_have_text("090")
+    expect(row.locator("td >> nth=1")).to_have_text("1500 m")
+    expect(row.locator("td >> nth=2")).to_have_text("270")
+    assert caller.ask("contact ferry1 remove")[0]
+    expect(page.locator("#no-ships")).to_be_visible()
 
 
 CHOOSE_TANK = """() => document.querySelector("tank-mimic")

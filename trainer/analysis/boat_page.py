@@ -37,7 +37,7 @@ from trainer.io.orders.quantities import NUMBERS, Number
 from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAMES, SETS, SIGNS
 from trainer.io.recording.recording import Branch, Journalled, Recording
 from trainer.session.header import differences, layout_of, plan_of, reading
-from trainer.session.history import order_of, world_orders
+from trainer.session.history import order_of
 from trainer.session.layout import read_state
 from trainer.session.plan import Plan
 from trainer.session.stations.briefing import ranges
@@ -186,7 +186,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
         warm(boat)
         layout = layout_of(header)
         plan.start(boat)
-        refuse_world(recording, boat, path.name)
+        refuse_world(recording, plan, path.name)
         flown = [fly(recording, each, boat, plan, layout) for each in recording.branches()]
         told = {
             "from": path.name,
@@ -199,16 +199,15 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
     return boat, told
 
 
-def refuse_world(recording: Recording, boat: Boat, name: str) -> None:
-    """Raise ConfigError if what is around the boat acted on her: a page has none of it."""
+def refuse_world(recording: Recording, plan: Plan, name: str) -> None:
+    """Raise ConfigError if a world is around the boat: a page has none."""
+    around = [f"[{table}]" for table in (*plan.sea.world, *plan.world)]
     for branch in recording.branches():
-        boat.world.settle(world_orders(recording, branch.id, branch.after))
         own = recording.orders(branch.id, branch.after)
-        orders = [each.text for each in own if each.text.partition(" ")[0] in PARTS]
-        acting = [what for what, part in boat.world.parts.items() if part.acts]
-        for what in (*acting, *orders):
-            told = f"branch {branch.id} has a world around the boat ({what}), and a page has none"
-            raise ConfigError(f"{name}: {told}; look at it by trainer debrief")
+        around += [each.text for each in own if each.text.partition(" ")[0] in PARTS]
+    if around:
+        told = f"has a world around the boat, {around[0]}, and a page has none"
+        raise ConfigError(f"{name}: {told}; look at it by trainer debrief")
 
 
 def exercise_of(plan: Plan) -> list[tuple[str, str]]:

@@ -177,7 +177,7 @@ def changes(run: Series, name: str, end: float) -> Numbers:
     t, values = run.t - run.t[0], run.column(name)
     inside = t < end
     last = np.interp(end, t, values)
-    return np.array([[*t[inside], end], np.array([*values[inside], last]) - values[0]])
+    return np.array([np.append(t[inside], end), np.append(values[inside], last) - values[0]])
 
 
 def _points(name: str, runs: tuple[Numbers, Numbers], allowed: float) -> list[Point]:

@@ -1,6 +1,5 @@
 """The command ``trainer replay`` flies each branch of a recording again and compares it."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 import click
 
+from trainer.config.files import json_text
 from trainer.io.lines import plain
 from trainer.session.header import differences, notes, reading
 from trainer.session.replay import Flight, replay_anyway
@@ -24,7 +24,7 @@ def replay_file(path: Path, otherwise: Mapping[str, Any], *, anyway: bool, as_js
             click.echo(plain(f"note: {note}"), err=True)
         flights = replay_anyway(recording, otherwise)
     click.echo(
-        json.dumps([as_row(each) for each in flights], indent=1) if as_json else page(flights)
+        json_text([as_row(each) for each in flights], indent=1) if as_json else page(flights)
     )
     return 0 if all(flight.same for flight in flights) else 1
 

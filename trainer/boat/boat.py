@@ -172,6 +172,15 @@ class Boat:
         """Advance by one step. Return 0, or a status for ``failure`` with the state as it was."""
         return self._in_its_world if self.world.acts else self.advance
 
+    def meet_world(self) -> None:
+        """Take the world before the first tick, so that the first picture has it."""
+        if not self.world.acts:
+            return
+        self.world.write(self.state)
+        s = self.state
+        s.xdot = s.through_north + s.water_north + s.shear_north * s.z
+        s.ydot = s.through_east + s.water_east + s.shear_east * s.z
+
     def go_over(self, advance: Callable[[], int]) -> None:
         """Compute the ticks by other code from now on."""
         self.advance = advance

@@ -13,7 +13,7 @@ from trainer.units import KNOT
 
 COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
 Z, WAVE, VALIDITY = PLACES["z"], PLACES["eta_wave"], PLACES["validity"]
-NORTHWARD, EASTWARD = PLACES["through_north"], PLACES["through_east"]  # as waves see her
+NORTHWARD, EASTWARD = PLACES["through_north"], PLACES["through_east"]  # as waves see it
 HEIGHT, OMEGA, DIRECTION, COSINES = (
     PLACES[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
 )
@@ -33,7 +33,7 @@ REASONS: Final = (
 
 
 def over_ground(s: Any) -> float:
-    """Return the speed [m/s] over the ground of a state, 0 while its place is held."""
+    """Return the speed [m/s] over the ground, 0 while the place is held."""
     return 0.0 if s.held_position else math.hypot(s.xdot, s.ydot)
 
 

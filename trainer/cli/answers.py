@@ -44,6 +44,13 @@ def outputs(command: Any) -> Any:
     return command
 
 
+def json_of(value: Any) -> str:
+    """Return a value as JSON; an infinite number, or none, is null."""
+    from trainer.config.files import json_text  # noqa: PLC0415
+
+    return json_text(value, indent=1)
+
+
 def show(
     report: Any,
     page: Callable[[Any], str],
@@ -51,14 +58,13 @@ def show(
     how: dict[str, Any],
 ) -> None:
     """Draw the plot asked for. Print ``report`` as a page or as JSON."""
-    import json  # noqa: PLC0415
     from dataclasses import asdict  # noqa: PLC0415
 
     if how["plot"]:
         from trainer.analysis.report.plots import draw  # noqa: PLC0415
 
         draw(panels(), how["plot"])
-    click.echo(json.dumps(asdict(report), indent=1) if how["as_json"] else page(report))
+    click.echo(json_of(asdict(report)) if how["as_json"] else page(report))
 
 
 def tell(text: str) -> None:

@@ -14,7 +14,7 @@ from trainer.cli import guide, identify
 from trainer.cli import sweep as sweep_command
 from trainer.cli.keywords import parsed
 from trainer.config.extras import require_library
-from trainer.config.files import shipped_names
+from trainer.config.files import json_text, shipped_names
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,7 +48,7 @@ class Answer(Generic[Report, Figure]):
 
     def as_json(self) -> dict[str, Any]:
         """Return the report as the command's ``--json`` has it."""
-        found: dict[str, Any] = json.loads(json.dumps(asdict(self.report)))  # type: ignore[call-overload]
+        found: dict[str, Any] = json.loads(json_text(asdict(self.report)))  # type: ignore[call-overload]
         return found
 
     def frame(self) -> Any:

@@ -1,13 +1,12 @@
 """The command ``trainer estimate``: a boat from the drawing of its hull."""
 
-import json
 import sys
 from pathlib import Path
 from typing import Any, Final
 
 import click
 
-from trainer.cli.answers import write_text
+from trainer.cli.answers import json_of, write_text
 from trainer.cli.shared_options import HTML, TOML
 from trainer.cli.types import Name
 
@@ -65,7 +64,7 @@ def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) 
         write_text(options["html"], html_page(found, made))
     if options["study"] is not None:
         _write_study(options["study"], output, found.rudder_deg)
-    click.echo(json.dumps(asdict(found), indent=1) if options["as_json"] else render(found, made))
+    click.echo(json_of(asdict(found)) if options["as_json"] else render(found, made))
     if options["reduce"]:
         _reduce(output)
 
@@ -97,4 +96,4 @@ def _reduce(boat: Path | None) -> None:
     if boat is not None:
         sys.stdout.flush()
         path = f"./{boat}" if boat.parent == Path() else str(boat)
-        reduce.main([path, "--write"], standalone_mode=False)
+        reduce.main([path, "--write", "--quick"], standalone_mode=False)

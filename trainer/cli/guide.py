@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from trainer.cli.answers import AHEAD, Number, outputs, show
+from trainer.cli import ships
+from trainer.cli.answers import AHEAD, Number, json_of, outputs, show
 from trainer.cli.options import options_given
 from trainer.cli.shared_options import CSV, HTML, PDF, SEA, VESSEL, together
 from trainer.cli.types import File, Word
@@ -195,11 +196,11 @@ def _page_of(report: "Report") -> "Callable[[Any], str]":
 def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Flight]":
     """Return report and flight of a boat, or of a ship that was identified."""
     from trainer.analysis.manoeuvres import page  # noqa: PLC0415
+    from trainer.config.nomoto import is_nomoto  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
-    from trainer.identify.nomoto import is_nomoto  # noqa: PLC0415
     from trainer.identify.ships import ship_file  # noqa: PLC0415
 
-    path = Path(vessel)
+    path = ships.path_of(vessel)
     known = path.suffix == ".toml" and (is_nomoto(path), ship_file.is_ship(path))
     if not known or not any(known):
         return page.fly_boat(load_vessel(vessel), name, options)
@@ -273,12 +274,12 @@ def guide(vessel: str, **options: Any) -> None:
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     choose = legs_of_1969 if options["programme"] == "1969" else legs
     book = write_guide(file, choose(file, options["depth"]), made, options["cores"])
-    now = json.loads(json.dumps(document.as_json(book.guide)))
+    now = json.loads(json_of(document.as_json(book.guide)))
     moves = None if earlier is None else baseline.compare_guides(earlier, now)
     write_document(document.render(book, moves), options["html"], options["pdf"])
     if options["as_json"]:
         told = {} if moves is None else {"moved": [asdict(one) for one in moves]}
-        click.echo(json.dumps({**now, **told}, indent=1))
+        click.echo(json_of({**now, **told}))
     else:
         click.echo(summary.render(book.guide, moves))
     sys.exit(0 if book.guide.passed else 1)

@@ -10,7 +10,7 @@ from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, outputs, show, show_step, tell, write_text
 from trainer.cli.options import options_given
 from trainer.cli.shared_options import CSV, FILE, HTML, SEA, TOML, VESSEL, VESSEL_HELP, together
-from trainer.cli.types import Deeper, File
+from trainer.cli.types import Deeper, File, Name
 
 if TYPE_CHECKING:
     from trainer.identify.pages.results import Identified
@@ -80,7 +80,9 @@ strength_option = click.option(
 sequence_options = together(
     click.option("--amplitude", type=POSITIVE, default=5.0, show_default=True, help="Degrees."),
     click.option("--bits", type=click.IntRange(2, 12), default=None, help="Of the register."),
-    click.option("--hold", type=POSITIVE, default=None, help="Seconds of a bit. [default: T1/3]"),
+    click.option(
+        "--hold", type=POSITIVE, default=None, help="Seconds of a bit. [default: T1/3; L/U]"
+    ),
     click.option("--periods", type=click.IntRange(1, 50), default=1, show_default=True),
     click.option("--seed", type=click.IntRange(1, 4095), default=1, show_default=True),
     click.option(
@@ -133,7 +135,8 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     """Design a rudder experiment and say what it will tell.
 
     VESSEL is a name or the path of a vessel file, or the file of a ship that is not linear. Such a
-    ship sails zig-zags; several speeds are tried one by one and together in the same time.
+    ship sails a zig-zag, a binary sequence, or both; these, and several speeds, are tried one by
+    one and together in the same time.
 
     \b
     Example:  trainer prbs bb2 --amplitude 3 --sea sea-state-3 --write trial.toml
@@ -141,13 +144,14 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
               trainer identify trial.trainer --model 1 --vessel bb2
               trainer prbs bb2 --zigzag 10/10
               trainer prbs ship.toml --zigzag 20/20 --speed 15 --speed 15/8
+              trainer prbs ship.toml --zigzag 20/20 --amplitude 20
     """
     from trainer.config.extras import require_library  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     require_library("scipy", "trainer prbs")
     if ships.is_ship(vessel):
-        ships.design_trials(Path(vessel), {**options, "write": write})
+        ships.design_trials(ships.path_of(vessel), {**options, "write": write})
         return
     options["speed"] = _only_speed(vessel, options.pop("speeds"))
     from trainer.identify.pages import experiment as page  # noqa: PLC0415
@@ -182,8 +186,8 @@ def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
 
     The speed is the vessel's own unless it is given; that of a Nomoto ship is in its file.
     """
+    from trainer.config.nomoto import is_nomoto  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
-    from trainer.identify.nomoto import is_nomoto  # noqa: PLC0415
     from trainer.identify.pages import steering as page  # noqa: PLC0415
 
     path = Path(vessel)
@@ -267,7 +271,7 @@ model_options = together(
 
 
 of_ships = together(
-    click.option("--ship", type=TOML, default=None, help="Dimensions, for linear to mmg."),
+    click.option("--ship", type=Name("ships"), default=None, help="For linear to mmg, its file."),
     strength_option,
     click.option(
         "--predict", type=RECORD, multiple=True, help="A record held back, may be repeated."

@@ -16,15 +16,23 @@ FOR_OTHERS: Final = (  # options that these models do not know
     *("simulate", "data_only", "bech", "spiral", "joint", "matrices", "csv", "system", "reject"),
 )
 FOR_BOATS: Final = (  # options of experiments that ships do not know
-    *("depth", "amplitude", "bits", "hold", "periods", "seed", "by", "sea", "write"),
+    *("depth", "periods", "by", "sea", "write"),
 )
+OF_SEQUENCES: Final = ("bits", "hold", "seed")  # options that need an amplitude
+
+
+def path_of(vessel: str) -> Path:
+    """Return the path of a vessel's file; that of a shipped ship by its name."""
+    from trainer.config.files import shipped, shipped_names  # noqa: PLC0415
+
+    return shipped("ships", vessel) if vessel in shipped_names("ships") else Path(vessel)
 
 
 def is_ship(vessel: str) -> bool:
     """Return whether a vessel is the file of a ship that is not linear."""
     from trainer.identify.ships import ship_file  # noqa: PLC0415
 
-    path = Path(vessel)
+    path = path_of(vessel)
     return path.suffix == ".toml" and path.is_file() and ship_file.is_ship(path)
 
 
@@ -34,8 +42,15 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
     unknown = [f"--{option}" for option in FOR_BOATS if option in given]
     if unknown:
         raise click.UsageError(f"{', '.join(unknown)}: not with a ship, {path.name}")
-    if options["zigzag"] is None:
-        raise click.UsageError(f"{path.name} is a ship: say its --zigzag, such as 20/20")
+    if "amplitude" not in given:
+        options = {**options, "amplitude": None}
+        if lone := [f"--{option}" for option in OF_SEQUENCES if option in given]:
+            raise click.UsageError(f"{', '.join(lone)}: of a sequence: say its --amplitude")
+    if options["zigzag"] is None and options["amplitude"] is None:
+        raise click.UsageError(
+            f"{path.name} is a ship: say its --zigzag, such as 20/20, or the --amplitude of a "
+            "binary sequence"
+        )
     from trainer.boat import compilation  # noqa: PLC0415
     from trainer.identify.ships import trials  # noqa: PLC0415
     from trainer.identify.ships.ship_file import load_ship  # noqa: PLC0415
@@ -54,10 +69,13 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
         known = ", ".join(MODELS)
         raise click.UsageError(f"{', '.join(unknown)}: not with the models {known}")
     from trainer.boat import compilation  # noqa: PLC0415
+    from trainer.config.files import path_named  # noqa: PLC0415
     from trainer.identify.ships import page  # noqa: PLC0415
     from trainer.identify.ships.results import carry_out  # noqa: PLC0415
     from trainer.identify.ships.ship_file import ship_text  # noqa: PLC0415
 
+    if options["ship"] is not None:
+        options = {**options, "ship": path_named(options["ship"], "ships")}
     with compilation.announced(FITS, tell, "ships", "identify/kernels"):
         found = carry_out(files, options, show_step)
     if options["write_ship"]:

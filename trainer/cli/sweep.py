@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import outputs, show
+from trainer.cli.answers import json_of, outputs, show
 from trainer.cli.shared_options import STUDY
 from trainer.cli.types import File
 
@@ -96,8 +96,6 @@ def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
 
 def _show_member(ready: Any, job: Any, member: int, *, as_json: bool) -> None:
     """Fly one member alone and print it; ConfigError if there is no such."""
-    import json  # noqa: PLC0415
-
     from trainer.analysis.sweep.report import member_page  # noqa: PLC0415
     from trainer.config.files import ConfigError, reading_recorded  # noqa: PLC0415
 
@@ -107,4 +105,4 @@ def _show_member(ready: Any, job: Any, member: int, *, as_json: bool) -> None:
         batch = ready.subject.batch(member, 1)
     told = batch.told(0, [output.name for output in ready.subject.outputs])
     page = member_page(ready.study.heading.name, member, told, ready.subject.outputs)
-    click.echo(json.dumps(told, indent=1) if as_json else page)
+    click.echo(json_of(told) if as_json else page)

@@ -1,6 +1,5 @@
 """Commands that examine a vessel file, and that find its compact set."""
 
-import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,7 +9,7 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import Number, outputs, show
+from trainer.cli.answers import Number, json_of, outputs, show
 from trainer.cli.shared_options import SEA, TOML, VESSEL, VESSEL_HELP, method_options
 from trainer.cli.types import Commands
 
@@ -88,7 +87,6 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     and the command that makes it. With --constants nothing is judged: all that the core is given
     is listed, in SI units and radians.
     """
-    import json  # noqa: PLC0415
     from dataclasses import asdict  # noqa: PLC0415
 
     if constants:
@@ -102,7 +100,7 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     file = load_vessel(vessel)
     report, ready = examine(file), readiness.examine(file)
     if as_json:
-        click.echo(json.dumps({**asdict(report), "readiness": asdict(ready)}, indent=1))
+        click.echo(json_of({**asdict(report), "readiness": asdict(ready)}))
     else:
         click.echo(f"{render(report)}\n{readiness.render(ready)}")
     sys.exit(0 if report.own_step_stable and ready.passed else 1)
@@ -114,7 +112,7 @@ def list_constants(vessel: str, *, as_json: bool) -> None:
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     report = constants(load_vessel(vessel))
-    click.echo(json.dumps(asdict(report), indent=1) if as_json else render(report))
+    click.echo(json_of(asdict(report)) if as_json else render(report))
 
 
 @click.command()
@@ -177,6 +175,7 @@ def bar(length: int, label: str) -> Iterator[Callable[[int], None]]:
 @click.option("--write", is_flag=True, help="Write it into the vessel file itself.")
 @click.option("--check", is_flag=True, help="Judge the set that the file has; no search.")
 @click.option("--table", is_flag=True, help="Only the table of sensitivities.")
+@click.option("--quick", is_flag=True, help="Keep a term whose loss takes long to make up for.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 @click.option(
     "--cores",
@@ -218,14 +217,14 @@ def reduce(vessel: str, **options: Any) -> None:
             drops = verdict.table(file, cores, lambda: step(1))
         if options["table"]:
             lines = page.sensitivity(drops)
-            told = json.dumps([asdict(one) for one in drops], indent=1)
+            told = json_of([asdict(one) for one in drops])
             click.echo(told if options["as_json"] else "\n".join(lines))
             return
         result = file.path if options["write"] else options["output"]
         if result and not result.parent.is_dir():
             raise ConfigError(f"{result}: there is no folder {result.parent}")
-        found = _search_reduction(file, cores, result, drops)
-    click.echo(json.dumps(asdict(found), indent=1) if options["as_json"] else page.render(found))
+        found = _search_reduction(file, cores, result, drops, quick=options["quick"])
+    click.echo(json_of(asdict(found)) if options["as_json"] else page.render(found))
     sys.exit(0 if found.passed else 1)
 
 
@@ -236,7 +235,9 @@ def _read_reduction(file: Any) -> Any:
     return reduction.report(file, reduction.as_filed(file), (), ())
 
 
-def _search_reduction(file: Any, cores: int, result: Path | None, drops: Any) -> Any:
+def _search_reduction(
+    file: Any, cores: int, result: Path | None, drops: Any, *, quick: bool
+) -> Any:
     """Return the reduction that a search finds, written to ``result`` if there is one."""
     from trainer.analysis.reduce import checkpoint, reduction, write_back  # noqa: PLC0415
     from trainer.analysis.reduce.objective import terms  # noqa: PLC0415
@@ -246,7 +247,7 @@ def _search_reduction(file: Any, cores: int, result: Path | None, drops: Any) ->
     partial = checkpoint.place(result) if result else None
     length = reduction.SEARCHES * len(terms(file, "modified"))
     with bar(length, "dropping terms") as step:
-        found = reduction.search(file, cores, partial, step)
+        found = reduction.search(file, cores, partial, step, quick=quick)
     report = reduction.report(file, found.factors["modified"], found.needs, drops)
     if result is None:
         return report

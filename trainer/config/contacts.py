@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.files import ConfigError, Place, beside
+from trainer.config.files import ConfigError, Place, beside, collecting
+from trainer.config.nomoto import NomotoFile, load_nomoto
 from trainer.config.schema import (
     Choice,
     Quantity,
@@ -33,6 +34,7 @@ FURTHEST: Final = 200_000.0  # [m] from the origin
 NAMED: Final = re.compile(r"[a-z][a-z0-9-]{0,15}")  # as an order names it
 RESERVED: Final = ("add",)  # what an order says in a name's place
 ACCELERATION: Final = 0.02  # [m/s^2] of every ship: an estimate
+QUICKEST: Final = 0.1  # [s] time constant of a ship that can be followed from tick to tick
 TURN: Final = 2.5  # [lengths] radius of a turn: half of IMO's largest tactical diameter
 
 
@@ -192,7 +194,7 @@ class Contact:
 
     row: ContactRow
     place: Place
-    nomoto: Path | None = None
+    nomoto: NomotoFile | None = None  # the ship that answers its rudder
 
     @property
     def type(self) -> ShipType:
@@ -227,7 +229,7 @@ class Contact:
 
 @dataclass(frozen=True, kw_only=True)
 class Encounters:
-    """What is made of ships that come near."""
+    """The rules for ships that come near."""
 
     cpa_m: float = usual(
         500.0,
@@ -256,10 +258,11 @@ def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...
     rows = CONTACTS.read("contact", value, Place(place.file, ""))
     for i, row in enumerate(rows):
         inside = Place(place.file, f"contact[{i}]")
-        nomoto = Path(beside(path, row.nomoto)) if row.nomoto else None
-        contact = Contact(row=row, place=inside, nomoto=nomoto)
-        problems += _faults(contact)
-        found.append(contact)
+        with collecting(problems):
+            nomoto = _nomoto(row, path) if row.nomoto else None
+            contact = Contact(row=row, place=inside, nomoto=nomoto)
+            problems += _faults(contact)
+            found.append(contact)
     problems += _twice(found)
     if problems:
         raise ConfigError(*problems)
@@ -280,6 +283,24 @@ def contacts_schema() -> dict[str, Any]:
 def encounters_schema() -> dict[str, Any]:
     """Return the JSON Schema of the table [contacts]."""
     return record_schema(Encounters, ("note",))
+
+
+def _nomoto(row: ContactRow, path: Path) -> NomotoFile:
+    """Return the identified ship of a contact; ConfigError if its file is of none to be steered."""
+    found = Path(beside(path, str(row.nomoto)))
+    ship = load_nomoto(found)
+    bad = [
+        Place(found.name, "").wrong(key, getattr(ship, key), f"{row.name} cannot be steered: {why}")
+        for key, why, good in (
+            ("K_per_s", "must be below 0", ship.K_per_s < 0.0),
+            ("T1_s", f"must be {QUICKEST:g} s or more", ship.T1_s >= QUICKEST),
+            ("T2_s", "must be 0, or as much", ship.T2_s == 0.0 or ship.T2_s >= QUICKEST),
+        )
+        if not good
+    ]
+    if bad:
+        raise ConfigError(*bad)
+    return ship
 
 
 def _faults(contact: Contact) -> list[str]:

@@ -1,4 +1,4 @@
-"""A current, as an exercise or a sea file has it: uniform, by depth, or a tide."""
+"""A current of an exercise or a sea file: uniform, by depth, or a tide."""
 
 import itertools
 from collections.abc import Mapping

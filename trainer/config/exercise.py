@@ -148,9 +148,7 @@ class Limits:
     heel_deg_max: float | None = optional(Quantity("deg", within(0, 90), "heel either way"))
     speed_kn_max: float | None = optional(Quantity("kn", within(-60, 60), "fastest"))
     speed_kn_min: float | None = optional(Quantity("kn", within(-60, 60), "slowest"))
-    speed_over_ground_kn_max: float | None = optional(
-        Quantity("kn", within(0, 60), "fastest over the ground")
-    )
+    speed_over_ground_kn_max: float | None = optional(Quantity("kn", within(0, 60), "over ground"))
     validity_level_max: float | None = optional(
         Quantity("-", within(0, 2), "of the equations: 0 inside their range, 1 extrapolated")
     )

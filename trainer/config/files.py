@@ -7,6 +7,7 @@ which is ``configs/...`` for a shipped file wherever it lies, and for others the
 """
 
 import json
+import math
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
@@ -30,6 +31,7 @@ OWN: Final = {  # what one of a kind is called, and an example of the user's own
     "exercises": ("exercise", "./drill.toml"),
     "hulls": ("hull", "./hull.toml"),
     "seas": ("sea", "./storm.toml"),
+    "ships": ("ship", "./ship.toml"),
     "studies": ("study", "./study.toml"),
     "vessels": ("vessel", "./boat.toml"),
 }
@@ -332,6 +334,20 @@ def _line_of(problem: str, lines: Mapping[tuple[str, str], int], head: str) -> i
     table, key = (told["table"] or "", told["key"] or "") if told else ("", "")
     number = lines.get((table, key)) or lines.get((table, "")) or lines.get((key, ""))
     return number or lines.get((f"{key}[0]", "")) or 0
+
+
+def json_text(value: Any, indent: int | None = None) -> str:
+    """Return a value as JSON; an infinite number, or none, is null."""
+    return json.dumps(_numbers_alone(value), indent=indent, allow_nan=False)
+
+
+def _numbers_alone(value: Any) -> Any:
+    """Return a value with None for each number within it that JSON has no word for."""
+    if isinstance(value, dict):
+        return {key: _numbers_alone(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_numbers_alone(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def no_constant(name: str) -> NoReturn:

@@ -1,4 +1,4 @@
-"""The world around the boat, as an exercise has it: each of its tables has a reader of its own."""
+"""The world around the boat in an exercise. Each of its tables has its own reader."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path

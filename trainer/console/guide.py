@@ -79,6 +79,7 @@ LIMITS: Final = {
     "speed_kn_min": "no slower than {} kn",
     "speed_over_ground_kn_max": "no faster than {} kn over the ground",
     "validity_level_max": "validity level {} at most",
+    "cpa_m_min": "no nearer than {} m to a ship",
 }
 AT: Final = {"rudder": "helm", "speed": "helm", "planes": "planes", "ballast": "ballast"}
 PASSING: Final = re.compile("^by hand: | has come$")  # of a greeting: what no briefing needs

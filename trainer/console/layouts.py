@@ -76,7 +76,7 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             "instructor",
             (
                 *("time", "gauges", "steering", "engine", "diving", "tanks", "air", "valves"),
-                *("sea", "current", "casualties", "ledger", "orders", "motion"),
+                *("sea", "current", "casualties", "contacts", "ledger", "orders", "motion"),
             ),
             charts_named("motion", "depth", "heading", "speed", "stern", "rudder", "pitch"),
             (
@@ -86,7 +86,7 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             ),
             aside=(
                 Place("plan", plan, moving=True),
-                Place("broken", event_log.suffering),
+                Place("broken", event_log.around),
                 Place("ledger", event_log.ledger),
             ),
         ),

@@ -1,4 +1,4 @@
-"""Water that moves over ground: place is carried along, and shear changes the speed through it.
+"""Water that moves over ground carries the place along; shear changes the speed through it.
 
 Speeds u, v, w are through the water, so all forces stay as they are, and a uniform current enters
 the rates of place alone (Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control). In a
@@ -23,7 +23,7 @@ def is_moving(state: Record) -> bool:
 
 @part
 def carry_along(state: Record) -> None:
-    """Add the current to the rates of place [m/s], and to u v w what its shear takes from them."""
+    """Add the current to the rates of place, and its shear to the accelerations."""
     s = state[0]
     s.xdot += s.water_north + s.shear_north * s.z
     s.ydot += s.water_east + s.shear_east * s.z

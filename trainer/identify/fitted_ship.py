@@ -1,6 +1,6 @@
 """The Python face of identification: a ship fitted to arrays or a file."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, Unpack, cast, overload
@@ -9,10 +9,10 @@ import numpy as np
 
 from trainer.analysis.report.plots import Panel, Screen, draw, figure_of
 from trainer.config.extras import require_library
-from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.files import ConfigError, nearest, path_named
 from trainer.core.kernel import Numbers
 from trainer.identify import fitting
-from trainer.identify.measurements import CHANNELS, Record
+from trainer.identify.frames import arrays_of, columns_of, names_of, record_of, scale_of
 from trainer.identify.minimise import unheard
 from trainer.identify.models import UNITS as OUTPUT_UNITS
 from trainer.identify.options import as_asked, study_of
@@ -22,11 +22,10 @@ from trainer.identify.pages.results import Identified, ShipNumber, describe
 from trainer.identify.ships import page as ships_page
 from trainer.identify.ships.models import MODELS as OF_SHIPS
 from trainer.identify.ships.records import FURTHER, Trial, load_trial, trial_of
-from trainer.identify.ships.records import OWN as OWN_OF_SHIPS
 from trainer.identify.ships.results import Identified as IdentifiedShip
 from trainer.identify.ships.results import fit_trials
 from trainer.identify.ships.ship_file import ShipFile, load_ship, ship_text
-from trainer.identify.sources import OWN, Column, check_times, factor
+from trainer.identify.sources import factor
 from trainer.identify.study import Study, observe, plain_study
 from trainer.identify.study_records import METHODS, MODELS, NOISES, ParameterRow
 from trainer.identify.validation import alone, other_problem, other_record
@@ -159,7 +158,7 @@ def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "Fitted
         study, loaded = study_of(Path(frame), options), None
     else:
         study = _study_of(frame, given)
-        loaded = _record_of(_arrays_of(frame, study.columns), study.columns)
+        loaded = record_of(arrays_of(frame, study.columns), study.columns)
         study = as_asked(study, options)
     rows = [ParameterRow(name=name, start=x) for name, x in given["start"].items()]
     rows += [ParameterRow(name=name, start=x, free="no") for name, x in given["fixed"].items()]
@@ -178,7 +177,7 @@ def _fit_manoeuvring(
     strength = given["prior_strength"]
     if not 0.0 <= strength <= STRONGEST:
         raise ConfigError(f"prior_strength = {strength:g}: must be 0 to {STRONGEST:g}")
-    ship = load_ship(Path(given["ship"]))
+    ship = load_ship(path_named(str(given["ship"]), "ships"))
     sign = sign or ship.records.positive_rudder
     ship = replace(ship, records=replace(ship.records, positive_rudder=sign))
     one = isinstance(frame, str | Path) or hasattr(frame, "keys")
@@ -194,90 +193,18 @@ def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Tr
     """Return a record of a ship that is not linear; arrays are what instruments have read."""
     if isinstance(frame, str | Path):
         return load_trial(Path(frame), ship, every)
-    columns = _columns_of(frame, given, FURTHER)
-    taken = _arrays_of(frame, columns)
+    columns = columns_of(frame, given["columns"], given["units"], FURTHER)
+    taken = arrays_of(frame, columns)
     further = {name: taken.pop(name) for name in FURTHER if name in taken}
-    return trial_of(_record_of(taken, columns), further, replace(ship, sensors=None), every)
+    return trial_of(record_of(taken, columns), further, replace(ship, sensors=None), every)
 
 
 def _study_of(frame: Mapping[str, Any], given: FitOptions) -> Study:
     """Return the study of arrays; ConfigError for channels, columns or units that are none."""
-    found = _columns_of(frame, given, ())
+    found = columns_of(frame, given["columns"], given["units"], ())
     study = plain_study(FRAME)
     heading = replace(study.heading, positive_rudder=given["positive_rudder"])
     return replace(study, path=FRAME, heading=heading, columns=found)
-
-
-def _columns_of(
-    frame: Mapping[str, Any], given: FitOptions, further: Iterable[str]
-) -> dict[str, Column]:
-    """Return the column of each channel, ``further`` ones among them. ConfigError."""
-    columns, units = given["columns"], given["units"]
-    channels, known_as = ("t", *CHANNELS, *further), {**OWN, **OWN_OF_SHIPS}
-    for name in (*columns, *units):
-        if name not in channels:
-            there = ", ".join(channels)
-            raise ConfigError(f"no channel {name!r}{nearest(name, channels)}; there are {there}")
-    found = {}
-    for channel in channels:
-        usual = [channel, known_as.get(channel, channel)]
-        names = [columns[channel]] if channel in columns else usual
-        column = next((name for name in names if name in _names(frame)), None)
-        if column is not None:
-            found[channel] = Column(column, units.get(channel))
-        elif channel in columns or channel in ("t", "rudder"):
-            known = ", ".join(map(str, _names(frame)))
-            raise ConfigError(f"frame: no column {names[0]!r} for {channel}; it has {known}")
-    return found
-
-
-def _names(frame: Mapping[str, Any]) -> list[str]:
-    """Return the names of a frame's columns, and of its index if it has one."""
-    index = getattr(getattr(frame, "index", None), "name", None)
-    return [*frame.keys(), *([index] if index else [])]
-
-
-def _scale(channel: str, unit: str | None) -> float:
-    """Return what a channel's numbers are times in SI. ConfigError if it has no such unit."""
-    if unit is None:
-        return 1.0
-    if channel not in FURTHER:
-        return factor(channel, unit)
-    if unit not in FURTHER[channel]:
-        known = " or ".join(FURTHER[channel])
-        raise ConfigError(f"{channel}: unit {quote(unit)}: must be {known}")
-    return FURTHER[channel][unit]
-
-
-def _arrays_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> dict[str, Numbers]:
-    """Return arrays by channel, SI; ConfigError naming a column that cannot be used."""
-    taken: dict[str, Numbers] = {}
-    for channel, column in columns.items():
-        scale = _scale(channel, column.unit)
-        # the index of a pandas frame is no column of it
-        found = frame[column.name] if column.name in frame else cast("Any", frame).index
-        values = np.asarray(found)
-        if values.dtype.kind == "M":
-            values = (values - values[0]) / np.timedelta64(1, "s")
-        try:
-            taken[channel] = np.asarray(values, float) * scale
-        except (TypeError, ValueError) as error:
-            raise ConfigError(f"frame: {column.name}: is no array of numbers: {error}") from None
-        size = taken[next(iter(taken))].shape
-        if taken[channel].ndim != 1 or taken[channel].shape != size:
-            shape = taken[channel].shape
-            raise ConfigError(f"frame: {column.name}: has shape {shape}, must be {size[:1]}")
-    return taken
-
-
-def _record_of(taken: Mapping[str, Numbers], columns: Mapping[str, Column]) -> Record:
-    """Return the record of arrays by channel; ConfigError if times do not rise."""
-    names = {channel: column.name for channel, column in columns.items()}
-    own: dict[str, Any] = {channel: one for channel, one in taken.items() if channel != "t"}
-    rows = np.arange(len(taken["t"]))
-    record = Record(source="frame", t=taken["t"], rows=rows, names=names, **own)
-    check_times(record)
-    return record
 
 
 def _plotted(shown: Sequence[Panel | Screen], path: str | Path | None) -> "Figure | None":
@@ -364,11 +291,11 @@ class FittedShip:
         else:
             own = fitted.study.columns
             columns = {
-                channel: own[channel] for channel in own if own[channel].name in _names(frame)
+                channel: own[channel] for channel in own if own[channel].name in names_of(frame)
             }
             whole = replace(fitted.study.heading, every=None, from_s=None, to_s=None)
             study = replace(fitted.study, heading=whole, sensors=None)
-            record = observe(study, _record_of(_arrays_of(frame, columns), columns)).record
+            record = observe(study, record_of(arrays_of(frame, columns), columns)).record
         problem = other_problem(fitted, record)
         return {"t": record.t, **self._in_units(alone(problem, problem.start))}
 
@@ -473,7 +400,9 @@ class ManoeuvringShip:
         trial = _trial_of(frame, self._ship, self._given, 1)
         sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)
         units, names = self._given["units"], ("speed", "sway", "yaw_rate", "heading")
-        found = {name: sailed[:, i] / _scale(name, units.get(name)) for i, name in enumerate(names)}
+        found = {
+            name: sailed[:, i] / scale_of(name, units.get(name)) for i, name in enumerate(names)
+        }
         return {"t": trial.t, **found}
 
     def summary(self) -> str:

@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.config.files import ConfigError
+from trainer.config.nomoto import SCHEMA, NomotoFile, nomoto_text_of
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import nomoto_of
@@ -20,7 +21,6 @@ from trainer.identify.fitting import Fitted
 from trainer.identify.innovations import Shown, no_limits, run_filter
 from trainer.identify.measurements import Record
 from trainer.identify.models import UNITS
-from trainer.identify.nomoto import SCHEMA, NomotoFile, nomoto_text_of
 from trainer.identify.nonlinear import Bend, predict
 from trainer.identify.prediction_error import Innovations
 from trainer.identify.problem import Problem

@@ -22,19 +22,11 @@ import numpy as np
 from trainer.analysis.characteristic import HORIZONTAL, Means, dimensional, horizontal
 from trainer.analysis.manoeuvres.vehicle import Control, LostError
 from trainer.config.files import ConfigError
+from trainer.config.nomoto import NomotoFile, load_nomoto
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import Record
-from trainer.identify.nomoto import (
-    Levers,
-    Nomoto,
-    NomotoFile,
-    levers,
-    load_nomoto,
-    nomoto,
-    solve_motion,
-    transfer,
-)
+from trainer.identify.nomoto import Levers, Nomoto, levers, nomoto, solve_motion, transfer
 from trainer.units import KNOT
 
 STEERED: Final = ("v", "r")

@@ -34,7 +34,7 @@ Field = tuple[int, int]  # value and bits
 
 
 class Report(NamedTuple):
-    """What a transponder tells of a moment: degrees, knots, degrees a minute."""
+    """A position report; in degrees, knots, and degrees a minute."""
 
     mmsi: int
     latitude: float
@@ -48,7 +48,7 @@ class Report(NamedTuple):
 
 
 class Particulars(NamedTuple):
-    """What a transponder tells of its ship; lengths in metres from the antenna."""
+    """Name, kind and sizes of a ship; lengths in metres from the antenna."""
 
     mmsi: int
     name: str
@@ -71,13 +71,13 @@ def payload(fields: Iterable[Field]) -> tuple[str, int]:
 
 
 def text(words: str, characters: int) -> list[Field]:
-    """Return a text of so many characters, what AIS cannot write as blanks, padded with @."""
+    """Return a text of so many characters, padded with @. Unknown ones become blanks."""
     known = [c if " " <= c <= "_" else " " for c in words.upper()[:characters]]
     return [(ord(c) & 63, BITS) for c in "".join(known).ljust(characters, "@")]
 
 
 def sentences(fields: Iterable[Field], channel: str, sequence: int, kind: str = "VDM") -> list[str]:
-    """Return the sentences of a message; ``sequence`` (0 to 9) joins those of one in parts."""
+    """Return the sentences of a message; ``sequence`` (0 to 9) joins its parts."""
     characters, fill = payload(fields)
     parts = [characters[i : i + LONGEST] for i in range(0, len(characters), LONGEST)]
     joined = str(sequence) if len(parts) > 1 else ""
@@ -125,7 +125,7 @@ def static_a(ship: Particulars) -> list[Field]:
 
 
 def static_b(ship: Particulars) -> tuple[list[Field], list[Field]]:
-    """Return messages 24 A and B, name, kind and sizes of a small ship with class B."""
+    """Return messages 24 A and B: name, kind and sizes of class B."""
     head = _head(STATIC_B, ship.mmsi)
     part_a = [*head, (0, 2), *text(ship.name, 20), (0, 8)]
     vendor = [*text("", 3), (0, 4), (0, 20)]
@@ -134,7 +134,7 @@ def static_b(ship: Particulars) -> tuple[list[Field], list[Field]]:
 
 
 def rate_of_turn(degrees_a_minute: float) -> int:
-    """Return a rate of turn as a transponder tells it: its root, with the rate's sign."""
+    """Return a rate of turn as it is sent: its root, with its sign."""
     size: int = min(round(TURN * math.sqrt(abs(degrees_a_minute))), STEEPEST)
     return -size if degrees_a_minute < 0.0 else size
 

@@ -122,7 +122,7 @@ def world_orders(recording: Recording | NoRecording, branch: int, after: int) ->
 
 
 def settle_world(boat: Boat, recording: Recording | NoRecording, branch: int, after: int) -> None:
-    """Have a boat's world be as the orders of a branch up to ``after`` have made it."""
+    """Bring a boat's world to what a branch's orders up to ``after`` made it."""
     boat.world.settle(world_orders(recording, branch, after))
 
 

@@ -115,7 +115,7 @@ class Plan:
         boat.casualties = self.casualties
         for entry in self.armed:
             casualties_module.arm(boat, entry.condition, entry.casualty, entry.rule)
-        boat.world.write(boat.state)  # so that the first picture has it too
+        boat.meet_world()
 
     def _put_out_of_trim(self, boat: Boat) -> None:
         """Let the boat begin as heavy and as much by the bow as the exercise has it."""

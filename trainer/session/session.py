@@ -329,7 +329,7 @@ class Session:
         if not isinstance(answer, Refused):
             tellings += self.crew.note(order, who, self.history.tick, answer)
             self._say(tellings, who)
-        self._pace = self._pace._replace(told=self.crew.told, world=self.boat.world.changes)
+        self._pace = self._pace._replace(told=self.crew.told)
         if self.time.frozen and not isinstance(answer, Refused):  # no tick comes to show it
             self._show()
         return answer
@@ -495,6 +495,5 @@ class Session:
         """Let the present moment be seen, and how time runs from here on."""
         now, time = self.history.now(), self.time
         replaying = self.history.rerun is not None
-        shown = replaying, self.crew.told, self.boat.world.changes
-        self._pace = Pace(time.frozen, time.speed, now.branch, *shown)
+        self._pace = Pace(time.frozen, time.speed, now.branch, replaying, self.crew.told, now.after)
         self.sending.offer(now.tick, now.state, self._pace)

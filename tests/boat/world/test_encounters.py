@@ -1,6 +1,7 @@
 """Ships that come near: closest approach, its calls, collisions and what they do."""
 
 import math
+import time
 from pathlib import Path
 
 import numpy as np
@@ -179,3 +180,25 @@ def test_without_ships_nothing_is_watched(tmp_path: Path) -> None:
     assert fly(boat, monitor, 5.0) == []
     assert monitor.nearest[1] == math.inf
     assert not boat.world.acts
+
+
+def cost(folder: Path, ships: int) -> float:
+    """Return the least time [s] of a look at so many ships under way."""
+    rows = (
+        f'[[contact]]\nname = "s{i}"\ntype = "cargo"\nspeed_kn = 12\n'
+        f"points = [[{3000 + 60 * i}, -4000], [{9000 + 60 * i}, 5000]]\n"
+        for i in range(ships)
+    )
+    boat = under_way(folder, "".join(rows))
+    monitor, best = EncounterMonitor.over(boat), math.inf
+    for _ in range(40):
+        boat.state.tick += 1
+        begun = time.process_time()
+        monitor.look(boat)
+        best = min(best, time.process_time() - begun)
+    return best
+
+
+def test_many_ships_are_looked_at_in_one_pass(tmp_path: Path) -> None:
+    """Forty times the ships must not cost ten times as much."""
+    assert cost(tmp_path, 200) < 10.0 * cost(tmp_path, 5)

@@ -1,4 +1,4 @@
-"""The ships that a run met: how near each came, and collisions, from the record alone."""
+"""The ships that a run met: how near each came, and collisions."""
 
 from dataclasses import dataclass, field
 from typing import Final

@@ -1,6 +1,5 @@
 """``trainer debrief``: a recording in, one HTML page out that needs nothing beside itself."""
 
-import json
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -25,7 +24,7 @@ from trainer.analysis.debrief.data import DebriefData, compared, figures, find_b
 from trainer.analysis.report.html import charts, page, paragraph, section
 from trainer.analysis.report.pdf import print_pdf
 from trainer.analysis.report.svg import clock, draw
-from trainer.config.files import ConfigError
+from trainer.config.files import ConfigError, json_text
 from trainer.io.atomic_write import write_whole
 from trainer.session.header import plan_of, reading
 
@@ -135,7 +134,7 @@ def debrief_file(
         _print(text, pdf)
         written.append(pdf)
     if as_json:
-        click.echo(json.dumps(figures(debrief), indent=1))
+        click.echo(json_text(figures(debrief), indent=1))
     else:
         click.echo("\n".join(map(str, written)))
 

@@ -54,6 +54,7 @@ BELLS: Final = {  # shares of the design speed; own estimates
 SLOWEST, FASTEST = 0.4, 1.2  # [design speeds] between which gains are made
 STEPS: Final = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002)  # [s] tried, the longest first
 FINE: Final = 0.1  # lengths run in a step, at most
+ROLLED: Final = 0.18  # [rad] of a free roll in a step, at most: Adams feeds it by 0.9 % a cycle
 STRIPS: Final = 7  # of the hull in waves
 WIDE_STRIPS: Final = 5  # of the hull beyond the range of the coefficients
 DEPTH: Final = 0.85  # [lengths] of the start
@@ -434,7 +435,8 @@ def stable_steps(file: VesselFile) -> list[float]:
         method = Method(equations, "lagged", "exact", "adams2", file.run.step_s)
         flights.append(responses(Boat(file, method), speeds).values())
         schemes.append(scheme_record(method))
-    most = FINE * file.hull.length / (file.run.start_speed_kn * KNOT)
+    run = FINE * file.hull.length / (file.run.start_speed_kn * KNOT)
+    most = min(run, ROLLED / max(roll_frequency(file), 1e-9))
     return [
         step
         for step in STEPS
@@ -443,6 +445,14 @@ def stable_steps(file: VesselFile) -> list[float]:
             stable_at(flown, scheme, step) for flown, scheme in zip(flights, schemes, strict=True)
         )
     ]
+
+
+def roll_frequency(file: VesselFile) -> float:
+    """Return the frequency [rad/s] of the free roll at rest; 0: it capsizes."""
+    hull = file.hull
+    righting = hull.weight * hull.cg[2] - hull.buoyancy * hull.cb[2]
+    water = 0.5 * file.fluid.rho * hull.length**5 * file.coefficients["K_pdot"]
+    return math.sqrt(max(righting, 0.0) / (hull.Ix - water))
 
 
 STUDY: Final = """\

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from trainer.analysis.reduce.objective import (
     terms,
 )
 from trainer.analysis.reduce.programme import fastest, fit_legs
-from trainer.analysis.reduce.search import LEASH, LIMIT, STEPS, Need, Search, Standing
+from trainer.analysis.reduce.search import LEASH, LIMIT, STEPS, Aim, Need, Search, Standing
 from trainer.analysis.reduce.verdict import Checked, Cost, coefficients, cost, passes, verdict
 from trainer.analysis.reduce.workers import Crew
 from trainer.config.vessel import VesselFile
@@ -31,6 +31,7 @@ ASTRAY: Final = 1.5  # [-] of what is allowed, at the top speed: a second search
 FIRM: Final = 0.2  # [-] leash that keeps closer to the hull's data, where it can be
 SEARCHES: Final = 2  # at most
 BASIC_ROUNDS: Final = 6
+QUICK_ROUNDS: Final = 2  # of the same, of a quick search
 
 
 @dataclass(frozen=True)
@@ -57,14 +58,6 @@ class Reduction:
     checked: tuple[Checked, ...]
     cost: Cost | None
     passed: bool
-
-
-class Aim(NamedTuple):
-    """The task of a search, and how closely it keeps to the hull's data."""
-
-    legs: tuple[Leg, ...]
-    leash: float  # [-] as in Slopes, to begin with
-    stays: tuple[str, ...]  # terms that are not dropped
 
 
 @dataclass(frozen=True)
@@ -121,19 +114,26 @@ def report(
 
 
 def search(
-    file: VesselFile, cores: int, partial: Path | None, step: Callable[[int], None]
+    file: VesselFile,
+    cores: int,
+    partial: Path | None,
+    step: Callable[[int], None],
+    *,
+    quick: bool = False,
 ) -> Found:
     """Return the factors found; ``partial`` is where to keep, and find, an unfinished search.
+
+    A ``quick`` one keeps a term whose loss takes long to make up for.
 
     If what is found is astray at the boat's top speed, another is searched for, fitted to flights
     there too, on a firmer leash if that will do, each direction's own added mass kept. ``step`` is
     called with the number of terms decided, of up to SEARCHES times those that there are.
     """
     log, fast = checkpoint.Log(file, partial), fastest(file)
-    aim = Aim(fit_legs(file), LEASH, CONTROLS)
+    aim = Aim(fit_legs(file), LEASH, CONTROLS, quick)
     standing, modified = _run_search(file, aim, cores, log, step)
     if furthest(file, fast, modified) > ASTRAY:
-        aim = Aim((*aim.legs, *fast), FIRM, (*CONTROLS, *ADDED_MASSES))
+        aim = Aim((*aim.legs, *fast), FIRM, (*CONTROLS, *ADDED_MASSES), quick)
         standing, modified = _run_search(file, aim, cores, log, step)
     basic = _basic(file, aim, cores, modified, standing.leash)
     return Found({"modified": modified, "basic": basic}, standing.needed)
@@ -143,9 +143,9 @@ def _run_search(
     file: VesselFile, aim: Aim, cores: int, log: checkpoint.Log, step: Callable[[int], None]
 ) -> tuple[Standing, dict[str, float]]:
     """Return how a search ends, and its factors by term."""
-    name = f"{len(aim.legs)} flights"
+    name = f"{len(aim.legs)} flights{', quick' * aim.quick}"
     with Crew(file.path, "modified", aim.legs, cores) as crew:
-        at_work = Search(file, "modified", crew, aim.leash, aim.stays)
+        at_work = Search(file, "modified", crew, aim)
         standing = log.standing(name) or at_work.begin()
         step(len(at_work.terms) - len(at_work.undecided(standing)))
         while not standing.done:
@@ -173,7 +173,7 @@ def _basic(
     with Crew(file.path, "basic", aim.legs, cores) as crew:
         free = [i for i, name in enumerate(names) if start[i] and name not in FIXED]
         here = Point(start, crew.differences([start])[0])
-        for _ in range(BASIC_ROUNDS):
+        for _ in range(QUICK_ROUNDS if aim.quick else BASIC_ROUNDS):
             table = crew.slopes(here.factors, free, here.differences)
             slopes = Slopes(table, free, leash)
             there = descend(crew.differences, slopes, here, STEPS, LIMIT)

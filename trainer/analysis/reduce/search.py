@@ -8,10 +8,11 @@ broken off and gone on with ends in the same bits.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
+from trainer.analysis.guide.programme import Leg
 from trainer.analysis.reduce.gauss_newton import Point, Slopes, descend, rises, without
 from trainer.analysis.reduce.objective import FIXED, Candidate, Yardstick
 from trainer.analysis.reduce.programme import legs_of_guide
@@ -31,6 +32,7 @@ STEPS: Final = 3  # of a fit by the same slopes
 SURE: Final = 2.0  # [-] a term without which less is off is asked about once more, at the end
 SETTLING: Final = 3  # rounds of a last fit, when the terms are chosen
 HOPELESS: Final = 4.0  # [-] a difference that new slopes will not mend
+FORESEEN: Final = 3.0  # [-] the same as slopes foresee it; a quick search does not fly to see it
 
 
 @dataclass(frozen=True)
@@ -64,34 +66,40 @@ class Standing:
         return self.settled >= SETTLING
 
 
+class Aim(NamedTuple):
+    """The task of a search, and how closely it keeps to the hull's data."""
+
+    legs: tuple[Leg, ...]
+    leash: float  # [-] as in Slopes, to begin with
+    stays: tuple[str, ...]  # terms that are not dropped
+    quick: bool = False  # whether a term is kept whose loss takes long to make up for
+
+
 class Search:
     """A boat's compact set on its way to fewer terms."""
 
-    def __init__(
-        self, file: VesselFile, equations: str, crew: Crew, leash: float, stays: Sequence[str]
-    ) -> None:
-        """Have all terms, as the full set has them; ``leash`` as in Slopes, to begin with.
-
-        Those that are named in ``stays`` are not dropped.
-        """
+    def __init__(self, file: VesselFile, equations: str, crew: Crew, aim: Aim) -> None:
+        """Have all terms, as the full set has them."""
         self.candidate = Candidate(file, equations)
         self.terms = self.candidate.terms
-        self._crew, self._leash, self._stays = crew, leash, stays
+        self._crew, self._aim = crew, aim
+        self._proven = np.empty(0), np.empty(0)  # factors, and their differences in the guide
         self._proof = Yardstick(file, legs_of_guide(file))
         self._rows = Yardstick(file, crew.legs).rows
 
     def begin(self) -> Standing:
         """Return the standing of a search that has not begun."""
-        return self._begin(self._leash)
+        return self._begin(self._aim.leash)
 
     def _begin(self, leash: float) -> Standing:
         """Return the standing before anything is fitted or dropped."""
         everything = tuple(range(len(self.terms)))
-        return Standing((1.0,) * len(self.terms), everything, leash=leash)
+        standing = Standing((1.0,) * len(self.terms), everything, leash=leash)
+        return replace(standing, again=True, settled=SETTLING - 1) if self._aim.quick else standing
 
     def undecided(self, standing: Standing) -> list[int]:
         """Return the places of the terms that may still be dropped."""
-        decided = {*(need.term for need in standing.needed), *self._stays}
+        decided = {*(need.term for need in standing.needed), *self._aim.stays}
         return [i for i in standing.kept if self.terms[i] not in decided]
 
     def round(self, standing: Standing, step: Callable[[], None]) -> Standing:
@@ -130,18 +138,21 @@ class Search:
 
     def proof(self, factors: Numbers) -> Numbers:
         """Return the differences in the guide's flights."""
-        self.candidate.take(factors)
-        return self._proof.differences(self.candidate)
+        if not np.array_equal(factors, self._proven[0]):
+            self.candidate.take(factors)
+            self._proven = factors.copy(), self._proof.differences(self.candidate)
+        return self._proven[1]
 
     def _start(self, standing: Standing, here: Point, slopes: Slopes) -> Standing:
         """Return the standing after a fit of the set with all terms.
 
         Where a leash keeps it from the limit, a slacker one is begun with.
         """
-        here = self._fit(slopes, here, standing.kept, EASE * LIMIT)
+        begun, here = here, self._fit(slopes, here, standing.kept, EASE * LIMIT)
         proof = float(abs(self.proof(here.factors)).max())
+        moved = not np.array_equal(begun.factors, here.factors)  # else one more would do the same
         tried = replace(standing, factors=tuple(here.factors.tolist()), starts=standing.starts + 1)
-        if tried.starts < STARTS and (here.worst > EASE * LIMIT or proof > PROOF):
+        if moved and tried.starts < STARTS and (here.worst > EASE * LIMIT or proof > PROOF):
             return tried
         if standing.leash > LEASH and (here.worst > LIMIT or proof > PROOF):
             return self._begin(max(LEASH, standing.leash / SLACKER))
@@ -161,6 +172,8 @@ class Search:
     ) -> Standing:
         """Return the standing after what these slopes are good for."""
         decided = 0
+        if self._aim.quick:
+            standing = self._foresee(standing, here, slopes, step)
         while decided < STALE:
             order = self._order(standing, here, slopes)[: standing.batch]
             if not order:
@@ -177,6 +190,21 @@ class Search:
                 standing, here = self._tighten(replace(standing, kept=kept), there), there
             else:
                 standing = replace(standing, needed=(*standing.needed, passed))
+        return standing
+
+    def _foresee(
+        self, standing: Standing, here: Point, slopes: Slopes, step: Callable[[], None]
+    ) -> Standing:
+        """Return the standing with the terms needed that slopes alone tell to be so."""
+        among = self._among(slopes, standing.kept)
+        for place in self.undecided(standing):
+            change = without(among, here, [place]) - here.factors
+            foreseen = abs(here.differences + slopes.table @ change)
+            if foreseen.max() > FORESEEN * standing.limit:
+                row = self._rows[int(np.argmax(foreseen))]
+                need = Need(self.terms[place], float(foreseen.max()), row.leg, row.quantity)
+                standing = replace(standing, needed=(*standing.needed, need))
+                step()
         return standing
 
     def _tighten(self, standing: Standing, there: Point) -> Standing:
@@ -206,10 +234,12 @@ class Search:
         kept = tuple(i for i in standing.kept if i not in gone)
         factors = without(self._among(slopes, standing.kept), here, gone)
         there = self._point(factors)
+        if self._aim.quick and there.worst > HOPELESS * standing.limit:
+            return there, self._need(standing, there, gone)
         goal = EASE * standing.limit
         there = self._fit(slopes, there, kept, goal)
         need = self._need(standing, there, gone)
-        if need and len(gone) == 1 and need.worst < HOPELESS:
+        if need and not self._aim.quick and len(gone) == 1 and need.worst < HOPELESS:
             anew = self._slopes(there, kept, standing.leash)
             there = self._fit(anew, there, kept, 0.0)
             need = self._need(standing, there, gone)

@@ -3,7 +3,6 @@
 What is HTML already is ``Markup``: pieces made here, and charts made by ``svg``.
 """
 
-import json
 from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
@@ -13,6 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN
+from trainer.config.files import json_text
 
 HERE: Final = Path(__file__).parent
 STYLES: Final = {WITHIN: "good", BEYOND: "bad", SHOWN: "soft"}
@@ -78,4 +78,4 @@ def charts(drawn: Iterable[str]) -> Markup:
 
 def embed(data: Any) -> Markup:
     """Return data as JSON within a script element."""
-    return Markup(json.dumps(data).replace("</", "<\\/"))  # noqa: S704  nothing can end the element
+    return Markup(json_text(data).replace("</", "<\\/"))  # noqa: S704  nothing can end the element

@@ -1,4 +1,4 @@
-"""The ships near: where each is at a tick, what the instructor changes, and what can be seen.
+"""The ships near: where each is, what the instructor changes, what is seen.
 
 Where they are follows from the exercise, the orders with their ticks, and the tick alone. So a
 replay has them where they were, and a tick of the past has them as they were then.
@@ -14,6 +14,7 @@ import numpy as np
 from trainer.boat.world.hulls import Pose
 from trainer.boat.world.lights import Light, lights_of
 from trainer.boat.world.ship_force import Pull
+from trainer.boat.world.steered import Course, Steered
 from trainer.boat.world.tracks import (
     Piece,
     Situation,
@@ -26,7 +27,7 @@ from trainer.boat.world.tracks import (
     turn,
     unreached,
 )
-from trainer.config.contacts import MOST, NAMED, TYPES, Contact, Encounters, ShipType
+from trainer.config.contacts import MOST, NAMED, RESERVED, TYPES, Contact, Encounters, ShipType
 from trainer.config.files import ConfigError, collecting, nearest
 from trainer.config.world import WorldTables
 from trainer.core.kernel import Numbers
@@ -39,7 +40,7 @@ NOWHERE: Final = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Seen:
-    """One ship at a tick, in SI and radians; place over the ground, from the start's origin."""
+    """One ship at a tick, in SI and radians. Its place is from the start's origin."""
 
     name: str
     type: str
@@ -67,6 +68,7 @@ class Ship:
     status: str
     mmsi: int | None
     way: Way
+    steered: Steered | None = None  # a ship that answers its rudder; its way is only where it began
 
     @property
     def type(self) -> ShipType:
@@ -85,6 +87,7 @@ class Fleet:
         """Hold ships by their names."""
         self.ships = dict(ships)
         self.order = tuple(self.ships.values())
+        self._steered = [(i, each.steered) for i, each in enumerate(self.order) if each.steered]
         self._latest: tuple[float, float, Numbers] = math.inf, -math.inf, np.empty((10, 0))
 
     def at(self, time: float) -> Situation:
@@ -92,7 +95,11 @@ class Fleet:
         begins, ends, pieces = self._latest
         if not begins <= time < ends:
             begins, ends, pieces = self._latest = self._pieces(time)
-        return situation(pieces, time)
+        there = situation(pieces, time)
+        for i, steered in self._steered:
+            for column, value in zip(there, steered.at(time)[:5], strict=True):
+                column[i] = value
+        return there
 
     def _pieces(self, time: float) -> tuple[float, float, Numbers]:
         """Return from when to when no ship's piece changes, and the pieces."""
@@ -112,7 +119,7 @@ class Contacts:
         self.encounters = encounters
         self.step = float(boat.method.step)
         self.given = tuple(ships)
-        self._first = fleet_of(ships)
+        self._first = fleet_of(ships, self.step)
         self._fleets: tuple[tuple[int, Fleet], ...] = ((0, self._first),)
         self._pull = Pull(boat) if encounters.force == "on" else None
 
@@ -145,7 +152,7 @@ class Contacts:
         return tuple(_seen(ship, row) for ship, row in zip(fleet.order, rows, strict=True))
 
     def obey(self, order: Order, tick: int) -> Reply:
-        """Take an order from a tick on; return what now holds, or why it was refused."""
+        """Take an order from a tick on; return the answer."""
         doing = order.word.partition("_")[0]
         ships = dict(self.fleet(tick).ships)
         if doing == "add":
@@ -159,7 +166,8 @@ class Contacts:
             return self._change(tick, ships, f"contact {ship.name} is gone")
         if doing == "speed" and order.value > ship.type.fastest + 1e-9:
             return Refused(f"a {ship.kind} makes {ship.type.fastest_kn:g} kn")
-        ships[ship.name] = CHANGES[doing](ship, order, tick * self.step)
+        change = _steered if ship.steered else CHANGES[doing]
+        ships[ship.name] = change(ship, order, tick * self.step)
         return self._change(tick, ships, f"{order.text}")
 
     def forget(self) -> None:
@@ -218,7 +226,7 @@ def _seen(ship: Ship, row: Sequence[float]) -> Seen:
 
 def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> str:
     """Return why no such ship can be added, "" if it can."""
-    if not NAMED.fullmatch(name):
+    if not NAMED.fullmatch(name) or name in RESERVED:
         return f"{name}: a name has at most 16 letters, digits and hyphens"
     if name in ships:
         return f"there is a contact {name} already"
@@ -228,26 +236,36 @@ def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> str
     return f"a {kind} makes {fastest.fastest_kn:g} kn" if speed > fastest.fastest + 1e-9 else ""
 
 
-def fleet_of(ships: Sequence[Contact]) -> Fleet:
+def fleet_of(ships: Sequence[Contact], step: float) -> Fleet:
     """Return the ships of an exercise; ConfigError with all ways that none can go."""
     problems: list[str] = []
     found = {}
     for each in ships:
         with collecting(problems):
-            found[each.row.name] = _ship_of(each)
+            found[each.row.name] = _ship_of(each, step)
     if problems:
         raise ConfigError(*problems)
     return Fleet(found)
 
 
-def _ship_of(contact: Contact) -> Ship:
+def _ship_of(contact: Contact, step: float) -> Ship:
     """Return a ship of the exercise; ConfigError if its way cannot be gone."""
     row = contact.row
-    return Ship(row.name, row.type, contact.status, row.mmsi, way_of(contact))
+    steered = steered_of(contact, step) if contact.nomoto else None
+    return Ship(row.name, row.type, contact.status, row.mmsi, way_of(contact), steered)
+
+
+def steered_of(contact: Contact, step: float) -> Steered:
+    """Return a ship that answers its rudder."""
+    file, row = contact.nomoto, contact.row
+    assert file is not None  # noqa: S101  the caller has looked
+    late, (north, east), (speed,) = row.starts_s or 0.0, row.points[0], contact.speeds
+    start = Course(north, east, contact.course, 0.0 if late else speed, 0.0, 0.0, 0.0)
+    return Steered(file, step, late, start, contact.course, speed)
 
 
 def way_of(contact: Contact) -> Way:
-    """Return the way of a ship; ConfigError on a leg too short, or a speed not reached on it."""
+    """Return the way of a ship. ConfigError on a leg too short, for its turns or its speed."""
     row, place = contact.row, contact.place
     course, path = contact.course, [Stretch(0.0, math.inf, contact.speeds[0])]
     if len(row.points) > 1:
@@ -297,6 +315,16 @@ def _move(ship: Ship, order: Order, time: float) -> Ship:
     north, east = order.numbers
     there = now._replace(north=north, east=east)
     return _on(ship, there, [Stretch(0.0, math.inf, path[0].speed)])
+
+
+def _steered(ship: Ship, order: Order, time: float) -> Ship:
+    """Order course or speed of a ship that answers its rudder, or put it elsewhere."""
+    steered = ship.steered
+    assert steered is not None  # noqa: S101  the caller has looked
+    if order.word == "move":
+        return replace(ship, steered=steered.moved(time, *order.numbers))
+    course, speed = (order.value if order.word == key else None for key in ("course", "speed"))
+    return replace(ship, steered=steered.then(time, course, speed))
 
 
 CHANGES: Final = {"course": _course, "speed": _speed, "move": _move}

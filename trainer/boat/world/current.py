@@ -1,4 +1,4 @@
-"""The current around a boat: uniform, by depth or a tide; an order takes their place in a ramp.
+"""The current around a boat: uniform, by depth or a tide, until an order.
 
 It is water over ground, told by where it goes to. At a depth z it is written as the line of the
 rows above and below, ``water + shear z``; above the first row and below the last it is theirs.
@@ -58,7 +58,7 @@ def _line(
 
 
 class Ellipse:
-    """Water that turns with the tide: a cos in the direction of i, b sin across it."""
+    """Water that turns with the tide: a cosine along the major axis, a sine across."""
 
     def __init__(self, tide: Tide) -> None:
         self.ahead = vector(tide.towards_deg, tide.major_kn)
@@ -109,7 +109,7 @@ class CurrentAround:
         return self.flow is not None or bool(self.changes)
 
     def obey(self, order: Order, tick: int) -> Reply:
-        """Let another current come about over the ramp, in place of all that there is."""
+        """Replace all that there is by another current, over the ramp; return it in words."""
         line = STILL if order.word == "off" else uniform(order.numbers[0], order.value)
         past = [i for i, each in enumerate(self.changes) if self._share(each, tick) >= 1.0]
         self.changes = [*self.changes[past[-1] if past else 0 :], Change(tick, line)]
@@ -121,8 +121,7 @@ class CurrentAround:
 
     def write(self, state: Any) -> None:
         """Write the current at the boat's depth for the tick that comes."""
-        tick, depth = int(state.tick), float(state.z)
-        state.current[:] = self.at(tick, depth)
+        state["current"][:] = self.at(int(state["tick"]), float(state["z"]))
 
     def at(self, tick: int, depth: float) -> Line:
         """Return the current of a tick as the line at a depth [m]."""

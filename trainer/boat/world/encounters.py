@@ -81,9 +81,9 @@ def refuse_touching(boat: Any) -> None:
 def closest_approach(
     north: Numbers, east: Numbers, v_north: Numbers, v_east: Numbers
 ) -> tuple[Numbers, Numbers]:
-    """Return closest approach [m] and time to it [s] along straight lines, by place and velocity.
+    """Return closest approach [m] and time to it [s] along straight lines.
 
-    Both are relative. Without relative speed it is the range, and the time is NaN.
+    Place and velocity are relative. Without relative speed it is the range, and the time is NaN.
     """
     square = v_north * v_north + v_east * v_east
     moves = square >= STILL * STILL
@@ -108,7 +108,7 @@ def plot(own: Own, there: Situation, limit: float) -> Plot:
 
 
 def on_arcs(own: Own, there: Situation) -> tuple[Numbers, Numbers]:
-    """Return closest approach [m] and time to it [s] if all go on turning as they do."""
+    """Return closest approach [m] and time to it [s] if all keep turning."""
     mine = _ahead(Situation(*(np.array([each]) for each in own)))
     theirs = _ahead(there)
     apart = np.hypot(theirs.north - mine.north, theirs.east - mine.east)
@@ -127,7 +127,7 @@ def _ahead(now: Situation) -> Situation:
 def passing(
     contacts: Contacts, tick: int, before: tuple[float, float], now: tuple[float, float]
 ) -> tuple[tuple[Ship, ...], Numbers]:
-    """Return the ships and the least range [m] of each in the step to a tick.
+    """Return the ships and each one's least range [m] in the step to a tick.
 
     The boat's places before and after it are given; both move on straight lines meanwhile.
     """
@@ -143,7 +143,7 @@ def passing(
 
 @dataclass
 class EncounterMonitor:
-    """The watch on ships that come near: what to call, and the closest that each has been."""
+    """The watch on ships that come near: what is called, and the least ranges."""
 
     contacts: Contacts | None = None
     hull: OwnHull | None = None
@@ -168,7 +168,7 @@ class EncounterMonitor:
         return self.contacts.encounters if self.contacts else Encounters()
 
     def settle(self, boat: Any) -> None:
-        """Take the boat as it is, after a jump in time: nothing is measured over the jump."""
+        """Take the boat as it is, after a jump in time. Nothing is measured over it."""
         self.struck, self.nearest = "", ("", math.inf)
         self._pose = Pose.of(boat.state) if self.contacts else None
         for kept in (self.closest, self.called, self.touching):
@@ -193,7 +193,7 @@ class EncounterMonitor:
         return f"collision with {self.struck}" if ends else ""
 
     def step(self, contacts: Contacts, tick: int, before: Pose, now: Pose) -> list[str]:
-        """Keep the least range of each ship in the step to a tick; return the new collisions."""
+        """Keep each ship's least range in the step to a tick. Return new collisions."""
         self.struck, self.nearest = "", ("", math.inf)
         ships, ranges = passing(contacts, tick, before[:2], now[:2])
         for ship, apart in zip(ships, ranges.tolist(), strict=True):

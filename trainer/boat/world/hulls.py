@@ -84,7 +84,7 @@ class OwnHull:
         return bool((sum(each * each for each in beyond) <= self.radii * self.radii).any())
 
     def looks(self, way: float, ship: ShipType) -> int:
-        """Return how often to look on a relative way [m], so that nothing is passed over."""
+        """Return how often to look on a relative way [m] to miss nothing."""
         return max(math.ceil(way / (PART * ship.beam)), 1)
 
     def far(self, range_m: float, depth: float, ship: ShipType, way: float) -> bool:

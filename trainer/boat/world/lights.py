@@ -1,4 +1,4 @@
-"""The lights of ships by night, as rules 20 to 30 of the collision regulations place them.
+"""The lights of ships by night, by rules 20 to 30 of the collision regulations.
 
 What is here is what can be seen from outside: colour, sector, place on the ship and range.
 """

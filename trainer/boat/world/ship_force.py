@@ -1,4 +1,4 @@
-"""The pull of ships near on the submerged boat: an estimate, within a factor of two.
+"""The pull of ships near on the boat, an estimate within a factor of two.
 
 A ship under way is a slender body, a line of sources along its length on the surface, after
 S. Wang, "Dynamic effects of ship passage on moored vessels" (1975), as W. Seelig gives it (NFESC

@@ -55,7 +55,7 @@ class Way(NamedTuple):
 
 
 class Situation(NamedTuple):
-    """Place, course, speed and rate of turn [SI] of ships at a time, each an array or a number."""
+    """Place, course, speed and rate of turn [SI] of ships, an array each."""
 
     north: Numbers
     east: Numbers
@@ -65,7 +65,7 @@ class Situation(NamedTuple):
 
 
 def situation(pieces: Numbers, time: float | Numbers) -> Situation:
-    """Return where ships are at a time [s], by the columns of their pieces (10, ships)."""
+    """Return where ships are at a time [s], by their pieces as columns."""
     begins, _, north, east, course, curvature, speed, acceleration = pieces[:8]
     passed = np.maximum(time - begins, 0.0)
     way = (speed + 0.5 * acceleration * passed) * passed
@@ -88,7 +88,7 @@ def column(piece: Piece) -> Numbers:
 
 
 def lay(begins: float, start: Piece, path: Sequence[Stretch]) -> Way:
-    """Return the way along a path from a time [s] on; place, course and speed are a piece's."""
+    """Return the way along a path from a time [s] on. It starts as a piece does."""
     pieces: list[Piece] = []
     now, ordered = start._replace(begins=begins), start.speed
     for i, stretch in enumerate(path):
@@ -142,7 +142,7 @@ def _end(piece: Piece, length: float, ordered: float) -> Piece:
 def path_along(
     points: Sequence[tuple[float, float]], speeds: Sequence[float], radius: float
 ) -> tuple[float, list[Stretch]]:
-    """Return first course [rad] and path along way points; after the last it goes straight on.
+    """Return first course [rad] and path along way points, then straight on.
 
     ValueError tells which leg is too short for its turns.
     """
@@ -170,7 +170,7 @@ def path_along(
 
 
 def turn(change: float, radius: float) -> list[Stretch]:
-    """Return the stretch that changes the course by so much [rad], none for next to nothing."""
+    """Return the stretch that changes the course by so much [rad], if any."""
     if abs(change) <= STRAIGHT:
         return []
     return [Stretch(math.copysign(1.0 / radius, change), radius * abs(change))]
@@ -183,7 +183,7 @@ def _leg(start: tuple[float, float], end: tuple[float, float]) -> tuple[float, f
 
 
 def unreached(way: Way) -> int | None:
-    """Return the first stretch whose ordered speed is not reached on it, None if all are."""
+    """Return the first stretch on which its ordered speed is not reached."""
     for i, stretch in enumerate(way.path):
         last = [piece for piece in way.pieces if piece.stretch == i]
         if stretch.speed is not None and last and last[-1].acceleration != 0.0:
@@ -194,7 +194,7 @@ def unreached(way: Way) -> int | None:
 
 
 def rest_of(way: Way, time: float) -> tuple[Piece, list[Stretch]]:
-    """Return where a ship is at a time [s], as a piece begins, and the path from there."""
+    """Return a ship's place at a time [s] as a piece, and its further path."""
     piece = way.at(time)
     there = situation(column(piece), time)
     now = piece._replace(

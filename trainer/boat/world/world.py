@@ -1,4 +1,4 @@
-"""The world of one run: its parts, each of which writes a few numbers into the state.
+"""The world of one run has parts, which write a few numbers into the state.
 
 It is written before each tick, and is a pure function of the exercise, of the orders given to it
 with their ticks, and of the state. So whoever flies the same orders again gets the same numbers.
@@ -23,7 +23,7 @@ class Part(Protocol):
         """Return whether there is anything to write; only orders change it."""
 
     def obey(self, order: Order, tick: int) -> Reply:
-        """Take an order from a tick on; return what now holds, or why it was refused.
+        """Take an order from a tick on; return what holds, or a refusal.
 
         What it means follows from its words and the tick alone.
         """
@@ -40,7 +40,6 @@ class World:
     """All parts, by the names of the orders that they obey."""
 
     parts: Mapping[str, Part] = field(default_factory=dict)
-    changes: int = 0  # how often orders have changed it
     changed: Callable[[], object] = field(default=lambda: None, repr=False, compare=False)
 
     @property
@@ -55,10 +54,9 @@ class World:
                 part.write(state)
 
     def obey(self, order: Order, tick: int) -> Reply:
-        """Have a part obey an order of its own."""
+        """Give a part an order of its own; return its answer."""
         part = self.parts.get(order.name)
         answer = part.obey(order, tick) if part else Refused(f"there is no {order.name} here")
-        self.changes += 1
         self.changed()
         return answer
 
@@ -69,7 +67,6 @@ class World:
         for tick, order in orders:
             if order.name in self.parts:
                 self.parts[order.name].obey(order, tick)
-        self.changes += 1
         self.changed()
 
 
@@ -82,5 +79,5 @@ PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {
 
 
 def world_of(boat: Any, tables: WorldTables) -> World:
-    """Return the world of an exercise around a boat; ConfigError on what this boat cannot have."""
+    """Return an exercise's world around a boat; ConfigError on what it cannot have."""
     return World({name: make(boat, tables) for name, make in PARTS.items()})

@@ -1,6 +1,6 @@
 """The log of what was said and done, the line of time, and the ledger."""
 
-from trainer.console.drawing.values import number, without
+from trainer.console.drawing.values import course, number, without
 from trainer.console.journal import Kept, clock, wrap_entry
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, line
@@ -113,3 +113,37 @@ def suffering(model: SessionModel, width: int, height: int) -> Lines:
         told = without(picture, "casualties", "none; F4 lists what can break")
         lines.append(line((f" {told}", "dim")))
     return [fit(each, width) for each in lines[:height]]
+
+
+def around(model: SessionModel, width: int, height: int) -> Lines:
+    """Return the casualties, and the ships near if there are any."""
+    broken, near = suffering(model, width, height), ships(model, width)
+    return [*broken, *near][:height]
+
+
+def ships(model: SessionModel, width: int) -> Lines:
+    """Return the ships near: bearing, range, course, speed, closest approach and time to it."""
+    picture = model.picture
+    names = [name for name in picture.rows("contacts", "contact_") if name[-1].isdigit()]
+    if not names:
+        return []
+    rows = [line((SHIPS, "heading")), *(ship_row(model, name) for name in names)]
+    return [fit(each, width) for each in rows]
+
+
+def ship_row(model: SessionModel, name: str) -> Line:
+    """Return one ship; what is past has no time."""
+    picture = model.picture
+    told = {part: picture.number("contacts", f"{name}_{part}") for part in SHIP_PARTS}
+    until = told["tcpa"]
+    when = "past" if until is not None and until < 0.0 else number(until, 0)
+    return line(
+        (f" {picture.word('contacts', name)[:9]:<9}", "value"),
+        f" {course(told['bearing']):>3} {number(told['range'], 0):>6}"
+        f" {course(told['course']):>3} {number(told['speed'], 0):>2}"
+        f" {number(told['cpa'], 0):>5} {when:>4}",
+    )
+
+
+SHIP_PARTS = ("bearing", "range", "course", "speed", "cpa", "tcpa")
+SHIPS = " ship      brg  range crs kn   cpa  sec"

@@ -175,7 +175,22 @@ def sea(model: SessionModel) -> Line:
     """Return the sea, and the one it is becoming."""
     now, then = swell(model, ""), swell(model, "ordered_")
     told = "" if now == then else f" > {then}"
-    return line((" sea    ", "dim"), (now, "plain"), *over_sail(model), (told, "ordered"))
+    carried = over_ground(model)
+    now = now.replace(",", "") if carried else now  # both fit side by side
+    return line(
+        *((" sea    ", "dim"), (now, "plain"), *over_sail(model)),
+        *((carried, "plain"), (told, "ordered")),
+    )
+
+
+def over_ground(model: SessionModel) -> str:
+    """Return set, drift [kn] and way over the ground, "" in still water."""
+    picture = model.picture
+    towards, way = (picture.number("current", name) for name in ("set", "course_over_ground"))
+    if towards is None:
+        return ""
+    drift, speed = (picture.number("current", name) for name in ("drift", "speed_over_ground"))
+    return f"; set {course(towards)} {number(drift)}; ground {course(way)} {number(speed)}"
 
 
 def over_sail(model: SessionModel) -> Line:

@@ -5,12 +5,9 @@ from collections.abc import Sequence
 from typing import Final
 
 from trainer.console.drawing.chart import ACROSS, Sheet
-from trainer.console.drawing.values import course, number
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, fit, line
 
-ROOM: Final = 8  # [lines] from which there is room for the way over the ground
-KNOTS: Final = ("drift", "speed_over_ground")
 LEAST: Final = 400.0  # [m] across the shorter side
 MARGIN: Final = 1.15
 NOSE: Final = 5.0  # [dots] of the stroke ahead of the boat
@@ -25,29 +22,13 @@ def plan(model: SessionModel, width: int, height: int) -> Lines:
     heading = fit(line((" track", "heading"), ("  north up", "heading-dim")), width, "heading")
     if height < 4 or not track:
         return [heading][:height]
-    ground = over_ground(model) if height >= ROOM else []
-    sheet = Sheet(width, height - 2 - len(ground))
+    sheet = Sheet(width, height - 2)
     middle, metres = frame(track, sheet)
     points = [place(point, middle, metres, sheet) for point in track]
     sheet.stroke(points)
     sheet.stroke(nose(points[-1], model.picture.number("motion", "heading") or 0.0))
     rows = [line((sheet.text(row), "plain")) for row in range(sheet.height)]
-    below = (*rows, *ground, rule(metres, width))
-    return [heading, *(fit(row, width) for row in below)][:height]
-
-
-def over_ground(model: SessionModel) -> Lines:
-    """Return set and drift, and the way over the ground, a line each; none in still water."""
-    picture = model.picture
-    towards = picture.number("current", "set")
-    if towards is None:
-        return []
-    way = course(picture.number("current", "course_over_ground"))
-    drift, speed = (number(picture.number("current", name)) for name in KNOTS)
-    return [
-        line((" set    ", "dim"), (f"{course(towards)}  {drift} kn", "plain")),
-        line((" ground ", "dim"), (f"{way}  {speed} kn", "plain")),
-    ]
+    return [heading, *(fit(row, width) for row in rows), fit(rule(metres, width), width)][:height]
 
 
 def frame(track: Sequence[Point], sheet: Sheet) -> tuple[Point, float]:

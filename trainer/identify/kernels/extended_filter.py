@@ -29,8 +29,8 @@ from trainer.identify.kernels.forward_numbers import FIRST, SECOND
 from trainer.identify.kernels.kernel import kernel, lean
 from trainer.identify.kernels.ship_forces import (
     NONLINEAR,
-    ROWS,
     add_terms,
+    rows_of,
     set_jacobian,
     set_terms,
 )
@@ -208,8 +208,9 @@ def filter_record(
     for i in range(4 if count > 0 else 0):
         S[i, count - 4 + i] = 1.0
     wide, narrow = (SECOND, FIRST) if count > 0 else (4, 1)
-    sloped = np.empty((ROWS, wide)), np.empty((3, wide))
-    flat, rates = np.empty((ROWS, narrow)), np.empty((3, narrow))
+    rows = rows_of(system[1])
+    sloped = np.empty((rows, wide)), np.empty((3, wide))
+    flat, rates = np.empty((rows, narrow)), np.empty((3, narrow))
     small = np.empty((4, 4)), np.empty((4, 4)), np.empty((4, 4)), np.empty((5, 4))
     large = np.empty((4, 4, count)), np.empty((4, 4, count)), np.empty((4, 4, count))
     lines, many, cost = np.empty((6, count)), np.empty((3, 4, count)), 0.0
@@ -231,7 +232,8 @@ def sail_record(system: System, record: Numbers, out: Numbers) -> int:
     """Write the states (n, 4) by inputs alone; return for how many rows."""
     x, S = system[2][system[1].shape[0] + NONLINEAR + 7 :].copy(), np.empty((4, 0))
     many, own = np.empty((3, 4, 0)), np.empty((3, 4))
-    work = np.empty((ROWS, 1)), np.empty((3, 1)), np.empty((5, 4)), own, many
+    rows = rows_of(system[1])
+    work = np.empty((rows, 1)), np.empty((3, 1)), np.empty((5, 4)), own, many
     for k in range(record.shape[0]):
         for i in range(4):
             out[k, i] = x[i]

@@ -129,10 +129,13 @@ def _add(table: Numbers, p: tuple[int, float], q: tuple[int, float], out: int) -
 
 
 @lean
-def run_steps(table: Numbers, steps: Steps) -> None:
-    """Write the row of each step (kind, two rows), after those of variables and constants."""
-    out = table.shape[0] - steps.shape[0]
-    for k in range(steps.shape[0]):
+def run_steps(table: Numbers, steps: Steps, first: int) -> None:
+    """Write the row of each step (kind, two rows), from row ``first`` on.
+
+    Variables and constants come before. A table of fewer rows ends the steps.
+    """
+    out = first
+    for k in range(min(steps.shape[0], table.shape[0] - first)):
         kind, a, b = steps[k, 0], steps[k, 1], steps[k, 2]
         if kind == MULTIPLY:
             _multiply(table, a, b, out)

@@ -27,7 +27,9 @@ Terms = NDArray[np.int64]
 
 NONLINEAR: Final = 5  # coefficients that are not factors of a term
 SHIP: Final = 6  # length, propeller diameter, three coefficients of K_T, 1-w
-# further constants: rudder, its sine and cosine, revolutions, wind, and numbers of the equations
+ADVANCE: Final = 6  # place of the ship's own advance [m] a turn, after these
+# further constants: rudder, its sine and cosine, revolutions, wind, the speed that the revolutions
+# hold, and numbers of the equations
 INPUTS: Final = 8
 NUMBERS: Final = (0.0, 1.0, 2.0, -2.0, 8.0 / math.pi, 0.48, 0.85, 1e-4)
 CONSTANTS: Final = SHIP + INPUTS + len(NUMBERS)
@@ -37,12 +39,13 @@ def _terms() -> tuple[dict[str, int], list[tuple[int, int, int]]]:
     """Return the row of each term, and the steps that lead to them.
 
     v' = v/U and r' = rL/U. The propeller meets the drift of a place 0.48 L behind midships;
-    0.85 is propeller over rudder height; |z| is sqrt(z^2 + 1e-4).
+    0.85 is propeller over rudder height; |z| is sqrt(z^2 + 1e-4). Last come the terms of Abkowitz
+    1964 beside the cubes, whose u' is (u - u_n)/U: u_n is the speed that the revolutions hold.
     """
     rows = quantities(DIRECTIONS, CONSTANTS)
     u, v, r, gamma, lever, kappa, c_w, gamma_a = rows[:DIRECTIONS]
     L, D, k0, k1, k2, one_w = rows[DIRECTIONS : DIRECTIONS + SHIP]
-    delta, sine, cosine, n, side, both, ahead, _ = rows[DIRECTIONS + SHIP :][:INPUTS]
+    delta, sine, cosine, n, side, both, ahead, u_n = rows[DIRECTIONS + SHIP :][:INPUTS]
     zero, one, two, minus_two, jet, behind, covered, small = rows[-len(NUMBERS) :]
 
     def size(z: Quantity) -> Quantity:
@@ -87,6 +90,22 @@ def _terms() -> tuple[dict[str, int], list[tuple[int, int, int]]]:
         "X_F": zero - F * sine * per_length,
         "X_w": ahead / L,
     }
+    u_, dd = (u - u_n) / U, delta * delta
+    uu = u_ * u_
+    found |= {
+        "u": u_ * per_length,
+        "uu": uu * per_length,
+        "uuu": uu * u_ * per_length,
+        "udd": u_ * dd * per_length,
+        "vd": v_ * delta * per_length,
+        "uvd": u_ * v_ * delta * per_length,
+        "vu": v_ * u_ * per_length,
+        "ru": r_ * u_ * per_length,
+        "ud": u_ * delta * per_length,
+        "uud": uu * delta * per_length,
+        "ddd": dd * delta * per_length,
+        "vdd": v_ * dd * per_length,
+    }
     return {name: term.row for name, term in found.items()}, u.steps
 
 
@@ -108,9 +127,9 @@ def _hold(table: Numbers, row: int, value: float) -> None:
 def set_terms(table: Numbers, ship: Numbers, x: Numbers, c: Numbers, rudder: Numbers) -> None:
     """Write every term at state ``x`` (u, v, r) and inputs ``c``, times U^2/L.
 
-    ``ship`` is length, propeller diameter, three coefficients of K_T and 1-w; ``c`` is rudder
-    [rad], revolutions [1/s] and relative wind from ahead and from starboard [m/s]; ``rudder`` is
-    gamma, l, kappa, c_w and gamma_a.
+    ``ship`` is length, propeller diameter, three coefficients of K_T, 1-w and the advance a turn;
+    ``c`` is rudder [rad], revolutions [1/s] and relative wind from ahead and from starboard [m/s];
+    ``rudder`` is gamma, l, kappa, c_w and gamma_a. A table of fewer rows has fewer terms.
     """
     for i in range(DIRECTIONS):
         _hold(table, i, x[i] if i < 3 else rudder[i - 3])
@@ -120,12 +139,21 @@ def set_terms(table: Numbers, ship: Numbers, x: Numbers, c: Numbers, rudder: Num
         _hold(table, DIRECTIONS + i, ship[i])
     wind = math.sqrt(c[2] * c[2] + c[3] * c[3] + 1e-4)
     helm = c[0], math.sin(c[0]), math.cos(c[0]), c[1]
-    given = (*helm, c[3] * wind, c[2] * c[3], c[2] * wind, 0.0)
+    given = (*helm, c[3] * wind, c[2] * c[3], c[2] * wind, ship[ADVANCE] * c[1])
     for i in range(INPUTS):
         _hold(table, DIRECTIONS + SHIP + i, given[i])
     for i in range(LITERALS.size):
         _hold(table, DIRECTIONS + SHIP + INPUTS + i, LITERALS[i])
-    run_steps(table, STEPS)
+    run_steps(table, STEPS, DIRECTIONS + CONSTANTS)
+
+
+@lean
+def rows_of(terms: Terms) -> int:
+    """Return how many rows of a table these terms need."""
+    most = 0
+    for j in range(terms.shape[0]):
+        most = max(most, terms[j, 1] + 1)
+    return most
 
 
 @lean

@@ -10,8 +10,9 @@ import numpy as np
 
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
+from trainer.config.nomoto import load_nomoto
 from trainer.config.vessel import VesselFile
-from trainer.identify.nomoto import Levers, Nomoto, load_nomoto
+from trainer.identify.nomoto import Levers, Nomoto
 from trainer.identify.nonlinear import Bent
 from trainer.identify.steering import steering
 from trainer.units import DEGREE, KNOT

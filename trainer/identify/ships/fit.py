@@ -148,13 +148,16 @@ def _regression(problem: Problem) -> Numbers:
             for (states, _), trial in zip(smoothed, problem.trials, strict=True)
         ]
     )
-    target = np.vstack([rates for _, rates in smoothed])
+    target = np.vstack([rates for _, rates in smoothed]) * (1.0, 1.0, length)
+    model = problem.model
+    for (axis, row), factor in zip(
+        model.terms, model.whole(dict.fromkeys(model.free, 0.0)), strict=False
+    ):
+        target[:, axis] -= factor * terms[:, row]
     values = {name: float(x) for name, x in zip(NONLINEAR, rudder, strict=True)}
     for axis, letter in enumerate(AXES):
-        values |= _solve_axis(
-            problem, letter, terms, target[:, axis] * (length if axis == 2 else 1)
-        )
-    return np.array([values[name] for name in problem.model.free])
+        values |= _solve_axis(problem, letter, terms, target[:, axis])
+    return np.array([values[name] for name in model.free])
 
 
 def _solve_axis(problem: Problem, letter: str, terms: Numbers, target: Numbers) -> dict[str, float]:
@@ -182,7 +185,7 @@ def fit(
     if not ends:
         ends = [Found(begin, math.inf, math.inf, 0)]
     best = min(ends, key=lambda end: end.cost)
-    if not best.settled and math.isfinite(best.cost):
+    if not best.settled and math.isfinite(best.cost) and math.isfinite(best.promise):
         best = _go_on(problem, best, heard)
     return _with_intervals(problem, best, tuple(end.cost for end in ends))
 
@@ -210,7 +213,7 @@ def promise_of(g: Numbers, H: Numbers) -> float:
     return 0.5 * float(np.sum((vectors.T @ (unit * g)) ** 2 / sizes))
 
 
-def _held_slopes(problem: Problem, a: Numbers) -> tuple[Numbers, Numbers]:
+def held_slopes(problem: Problem, a: Numbers) -> tuple[Numbers, Numbers]:
     """Return gradient and information, without what is held at its lowest."""
     _, g, H = problem.slopes(a)
     held = (a <= problem.lowest) & (g > 0.0)
@@ -231,7 +234,7 @@ def search(problem: Problem, a: Numbers, heard: Callable[[int, float], None]) ->
     """Return where Levenberg's scoring on the expected information ends."""
     damping, cost, promise = 1e-2, problem.cost(a), math.inf
     for count in range(STEPS):
-        g, H = _held_slopes(problem, a)
+        g, H = held_slopes(problem, a)
         if not (np.isfinite(g).all() and np.isfinite(H).all()):
             return Found(a, cost, math.inf, count)
         promise = promise_of(g, H)
@@ -259,7 +262,7 @@ def _go_on(problem: Problem, begin: Found, heard: Callable[[int, float], None]) 
     """Return where scipy's BFGS gets to, scaled by the information, then scoring again."""
     from scipy.optimize import minimize  # noqa: PLC0415
 
-    _, H = _held_slopes(problem, begin.a)
+    _, H = held_slopes(problem, begin.a)
     unit, sizes, vectors = _scaled(H)
     turn = (unit[:, None] * vectors) / np.sqrt(sizes)
 
@@ -268,7 +271,7 @@ def _go_on(problem: Problem, begin: Found, heard: Callable[[int, float], None]) 
         cost = problem.cost(a)
         if not math.isfinite(cost):
             return 1e12, np.zeros_like(z)
-        return cost, np.asarray(turn.T @ _held_slopes(problem, a)[0])
+        return cost, np.asarray(turn.T @ held_slopes(problem, a)[0])
 
     ended = minimize(
         told, np.zeros(len(begin.a)), jac=True, method="BFGS", options={"maxiter": 200}
@@ -293,10 +296,10 @@ def _with_intervals(problem: Problem, found: Found, others: tuple[float, ...]) -
     the coefficients that the record determined in it.
     """
     a = found.a.copy()
-    if not math.isfinite(found.cost):
+    _, H = held_slopes(problem, a)
+    if not (math.isfinite(found.cost) and np.isfinite(H).all()):
         empty = np.full((problem.size, problem.size), math.nan)
         return Fit(problem, found, a, empty, empty, others)
-    _, H = _held_slopes(problem, a)
     C, p = _inverse(H), len(problem.model.free)
     share = np.diag(C)[: problem.common] / problem.width**2
     for axis, _ in enumerate(DISTURBANCES):
@@ -312,7 +315,7 @@ def _with_intervals(problem: Problem, found: Found, others: tuple[float, ...]) -
 
 def _known_at(problem: Problem, a: Numbers, found: Found, others: tuple[float, ...]) -> Fit:
     """Return the fit with the covariance that the information at ``a`` gives."""
-    _, H = _held_slopes(problem, a)
+    _, H = held_slopes(problem, a)
     own = H.copy()
     places = np.arange(problem.common)
     own[places, places] -= problem.width**-2.0

@@ -7,11 +7,12 @@ in the slipstream; ``abkowitz``, ``mavmm`` and ``linear`` have the rudder's angl
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
+from trainer.config.files import ConfigError, nearest
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.ship_forces import TERM_ROWS, Terms
 from trainer.identify.ships.ship_file import Dimensions, ShipFile
@@ -27,6 +28,13 @@ MODELS: Final[Mapping[str, tuple[str, str]]] = {  # terms of surge; of sway and 
     "mmg": ("0 T vv vr rr F", f"0 v r {CUBES} F"),
 }
 WIND: Final = ("X_w", "Y_w", "N_w", "N_ww")
+ABKOWITZ: Final = {  # his terms beside the cubes: nothing, unless a ship's file gives them
+    "X": "u uu uuu udd vd uvd",
+    **dict.fromkeys("YN", "u uu vu ru ud uud ddd vdd"),
+}
+FURTHER: Final = tuple(f"{axis}_{term}" for axis in AXES for term in ABKOWITZ[axis].split())
+OF_SPEED: Final = ("X_u", "X_uu", "X_uuu")  # which have the thrust in them, so that these do not
+OF_THRUST: Final = ("X_T", "Y_Td", "N_Td")
 
 Prior = Mapping[str, tuple[float, float]]  # mean and standard deviation before the strength
 
@@ -78,6 +86,7 @@ class Model:
     name: str
     names: tuple[str, ...]  # factors of terms, then the nonlinear ones
     free: tuple[str, ...]
+    held: Mapping[str, float] = field(default_factory=dict)  # by the ship's file, where it has them
 
     @property
     def terms(self) -> Terms:
@@ -91,11 +100,12 @@ class Model:
 
     def whole(self, values: Mapping[str, float]) -> Numbers:
         """Return every coefficient, as the kernels take them; what is not given is fixed."""
-        return np.array([values.get(name, FIXED.get(name, 0.0)) for name in self.names])
+        known = {**FIXED, **self.held, **values}
+        return np.array([known.get(name, 0.0) for name in self.names])
 
     def without(self, names: tuple[str, ...]) -> "Model":
         """Return the model with some of its free coefficients fixed."""
-        return Model(self.name, self.names, tuple(n for n in self.free if n not in names))
+        return replace(self, free=tuple(name for name in self.free if name not in names))
 
 
 def _term(name: str) -> tuple[int, int]:
@@ -113,6 +123,38 @@ def model_of(name: str, *, wind: bool) -> Model:
     factors += WIND if wind else ()
     curved = ("gamma", "l", "kappa", "c_w") if name == "mmg" else ()
     return Model(name, (*factors, *NONLINEAR), (*factors, *curved))
+
+
+def model_for(ship: ShipFile, name: str, *, wind: bool) -> Model:
+    """Return the model with the further terms that a ship's file gives. ConfigError.
+
+    They are held. Where surge has speed in them the thrust is part of that, and held at nothing.
+    """
+    model = model_of(name, wind=wind)
+    given = {key: ship.coefficients[key] for key in FURTHER if key in ship.coefficients}
+    if name != "abkowitz" or not given:
+        return model
+    if ship.dimensions.advance_m is None:
+        raise ConfigError(
+            f"{ship.path.name}: [dimensions] lacks advance_m, which {min(given)} needs"
+        )
+    names = (*model.names[: -len(NONLINEAR)], *given, *NONLINEAR)
+    held = OF_THRUST if any(key in given for key in OF_SPEED) else ()
+    whole = replace(model, names=names, held={**dict.fromkeys(held, 0.0), **given})
+    return whole.without(held)
+
+
+def check_names(ship: ShipFile, model: Model) -> None:
+    """Check that a ship's file has the model's coefficients and no others; ConfigError."""
+    name, given = ship.path.name, ship.coefficients
+    if missing := [key for key in model.free if key not in given]:
+        raise ConfigError(f"{name}: [coefficients] lacks {', '.join(missing)}")
+    known = (*model.names, *model.held, *WIND)
+    if strange := [key for key in given if key not in known]:
+        hint = nearest(strange[0], (*known, *(FURTHER if model.name == "abkowitz" else ())))
+        raise ConfigError(
+            f"{name}: [coefficients] {strange[0]} is none of model {model.name}{hint}"
+        )
 
 
 def prior_of(model: Model, ship: ShipFile) -> tuple[Prior, str]:

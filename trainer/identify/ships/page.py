@@ -88,7 +88,7 @@ def _fit_lines(report: Report) -> list[str]:
     state = f"settled in {report.steps} steps" if report.settled else "DID NOT SETTLE"
     lines = [f"{INDENT}Fit {state}: -log L with the prior {report.cost:.4f}"]
     if not report.settled:
-        lines += wrap(f"A further step promises {report.promise:.2g}: intervals do not hold.")
+        lines += wrap(f"{report.doubt[0].upper()}{report.doubt[1:]}.")
     if report.at_floor:
         lines += wrap(
             f"At their floor, a ten-thousandth of the spread: {', '.join(report.at_floor)}. "

@@ -13,7 +13,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.residuals import LAGS, correlation, portmanteau, ratio_test
 from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, tabulated
 from trainer.identify.ships.likelihood import NOISES, Problem
-from trainer.identify.ships.models import FIXED, NONLINEAR, model_of, prior_of
+from trainer.identify.ships.models import FIXED, NONLINEAR, Model, model_for, prior_of
 from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
 from trainer.identify.ships.ship_file import Result, ShipFile, load_ship
 from trainer.units import KNOT
@@ -97,6 +97,7 @@ class Report:
     prior_strength: float
     findings: tuple[str, ...]
     settled: bool
+    doubt: str  # why it did not settle, "" if it did
     steps: int
     promise: float
     cost: float  # -log L with the prior
@@ -154,7 +155,7 @@ def fit_trials(
     ``options`` are those of ``trainer identify``.
     """
     trials = tuple(_between(trial, options["begin"], options["end"]) for trial in trials)
-    model = model_of(options["model"], wind=any(trial.windy for trial in trials))
+    model = model_for(ship, options["model"], wind=any(trial.windy for trial in trials))
     prior, source = prior_of(model, ship)
     strength = float(options["prior_strength"])
     problem, begin = pose(model, ship.constants, trials, prior, strength)
@@ -294,6 +295,8 @@ def untold(fitted: Fit) -> tuple[Untold, ...]:
     """Return the combinations of coefficients that the records tell least, first states out."""
     problem = fitted.problem
     p = len(problem.model.free)
+    if not np.isfinite(fitted.information).all():
+        return ()
     H = _marginal(fitted.information, p)
     unit = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
     sizes, vectors = np.linalg.eigh(H * np.outer(unit, unit))
@@ -395,6 +398,23 @@ def _test_without(fitted: Fit, names: tuple[str, ...]) -> OrderTest:
     return OrderTest(names, test.statistic, test.freedom[0], test.probability)
 
 
+def _doubt(fitted: Fit) -> str:
+    """Return why a fit did not settle, "" if it did."""
+    promise = fitted.found.promise
+    if fitted.settled:
+        return ""
+    if not math.isfinite(promise):
+        return "where the search ended the likelihood has no slope: nothing is known of intervals"
+    return f"a further step promises {promise:.2g}: intervals do not hold"
+
+
+def _held(model: Model) -> Iterator[str]:
+    """Yield which coefficients are held at what the ship's file gives."""
+    if model.held:
+        told = ", ".join(f"{name} {value:.4g}" for name, value in model.held.items())
+        yield f"held, by the ship's file: {told}"
+
+
 def _report(
     ship: ShipFile, fitted: Fit, prior: tuple[str, float], held: tuple[Trial, ...]
 ) -> Report:
@@ -413,8 +433,9 @@ def _report(
         length_m=length,
         prior=prior[0],
         prior_strength=prior[1],
-        findings=tuple(notes_of(trials)),
+        findings=(*notes_of(trials), *_held(problem.model)),
         settled=fitted.settled,
+        doubt=_doubt(fitted),
         steps=fitted.found.steps,
         promise=fitted.found.promise,
         cost=fitted.found.cost,

@@ -73,6 +73,9 @@ class Dimensions:
     thrust: tuple[float, ...] = of(
         Quantities(Quantity("-", within(-5, 5), "K_T = k0 + k1 J + k2 J^2"), 3, 3)
     )
+    advance_m: float | None = optional(
+        Quantity("m", within(0.001, 100), "a turn, from which further terms count the speed")
+    )
     beam_m: float | None = optional(Quantity("m", within(0.05, 100), "for the prior"))
     draught_m: float | None = optional(Quantity("m", within(0.01, 40), "for the prior"))
     block_coefficient: float | None = optional(Quantity("-", within(0.3, 0.95), "for the prior"))
@@ -140,11 +143,10 @@ class ShipFile:
 
     @property
     def constants(self) -> Numbers:
-        """Return length, propeller diameter, K_T's three numbers and 1-w, as the kernels do."""
+        """Return length, diameter, K_T's three numbers, 1-w and advance, as the kernels do."""
         hull = self.dimensions
-        return np.array(
-            [hull.length_m, hull.propeller_diameter_m, *hull.thrust, 1.0 - hull.wake_fraction]
-        )
+        propeller = hull.propeller_diameter_m, *hull.thrust, 1.0 - hull.wake_fraction
+        return np.array([hull.length_m, *propeller, hull.advance_m or 0.0])
 
 
 def is_ship(path: Path) -> bool:

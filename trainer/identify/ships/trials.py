@@ -1,20 +1,22 @@
-"""Trials of ships that are not linear: what zig-zags would tell, before they are sailed."""
+"""Trials of ships that are not linear: what helm would tell, before it is given."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
-from trainer.analysis.manoeuvres.flight import Flight, fly
+from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly
+from trainer.analysis.manoeuvres.vehicle import Measure
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import INDENT, cut, table, wrap
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
+from trainer.identify.experiment import TAPS, prbs
 from trainer.identify.ships.fit import Fit, expect, problem_of
-from trainer.identify.ships.models import GYRATION, model_of, prior_of
+from trainer.identify.ships.models import GYRATION, model_for, prior_of
 from trainer.identify.ships.page import in_words
 from trainer.identify.ships.records import SHORTEST, Trial, with_steps
 from trainer.identify.ships.results import BOOK, Coefficient, Untold, coefficients_of, untold
@@ -31,24 +33,89 @@ WORST: Final = 3  # combinations that a page names of each plan
 READINGS: Final = ("speed", "sway", "yaw_rate", "heading")
 SENSORS: Final = {"sway_kn": "sway", "yaw_rate_deg_s": "yaw_rate", "heading_deg": "heading"}
 LETTERS: Final = "ABCDE"
+LEAD: Final = 2.0  # [s] of straight motion
+
+
+@dataclass(frozen=True)
+class BinaryHelm(Manoeuvre):
+    """Rudder from side to side by a pseudo-random binary sequence, again and again."""
+
+    needs: ClassVar[tuple[str, ...]] = ("rudder",)
+
+    angle_deg: float = 10.0
+    hold_s: float = 30.0  # of a bit
+    bits: int = 5  # of the register
+    seed: int = 1
+    duration_s: float = 600.0
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the sequence, to its end or that of the time."""
+        yield from conn.hold(LEAD)
+        sequence, last = prbs(self.bits, self.seed), 0.0
+        for i in range(math.ceil((self.duration_s - LEAD) / self.hold_s)):
+            bit = float(sequence[i % len(sequence)])  # 1 to port, as a rudder is positive
+            if bit != last:
+                conn.order("rudder", -bit * math.radians(self.angle_deg))
+                conn.mark("execute")
+            last = bit
+            yield from conn.hold_to(min(LEAD + (i + 1) * self.hold_s, self.duration_s))
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return none: a sequence is judged by what a fit to it would tell."""
+        del flight
+        return []
+
+
+@dataclass(frozen=True)
+class Helm:
+    """The rudder's part in a trial: a zig-zag, or a binary sequence."""
+
+    zigzag_deg: tuple[float, float] | None = None  # rudder and heading
+    sequence_deg: float = 0.0
+    hold_s: float = 0.0
+    bits: int = 0
+    seed: int = 1
+
+    def __str__(self) -> str:
+        """Return the helm in words."""
+        if self.zigzag_deg:
+            return "zig-zag {:g}/{:g}".format(*self.zigzag_deg)
+        return (
+            f"sequence of {self.sequence_deg:g} deg, bits of {self.hold_s:.3g} s, register of "
+            f"{self.bits}"
+        )
+
+    @property
+    def angle_deg(self) -> float:
+        """Return the angle of the rudder."""
+        return self.zigzag_deg[0] if self.zigzag_deg else self.sequence_deg
+
+    def manoeuvre(self, seconds: float) -> Manoeuvre:
+        """Return the manoeuvre that lasts so long."""
+        if self.zigzag_deg:
+            angle, execute = self.zigzag_deg
+            return ZigZag(angle_deg=angle, execute_deg=execute, duration_s=seconds)
+        return BinaryHelm(self.sequence_deg, self.hold_s, self.bits, self.seed, seconds)
 
 
 @dataclass(frozen=True)
 class Leg:
-    """One zig-zag, begun at a speed with the revolutions that hold another, or the same."""
+    """One helm, begun at a speed with the revolutions that hold another, or the same."""
 
     speed_kn: float
     held_kn: float
+    helm: Helm = Helm()
 
     def __str__(self) -> str:
         """Return the leg in words."""
         other = "" if self.held_kn == self.speed_kn else f", revolutions of {self.held_kn:g} kn"
-        return f"from {self.speed_kn:g} kn{other}"
+        kind = "zig-zag" if self.helm.zigzag_deg else "sequence"
+        return f"{kind} from {self.speed_kn:g} kn{other}"
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Zig-zags one after another, and what is expected of fitting them together."""
+    """Legs one after another, and what is expected of fitting them together."""
 
     name: str
     legs: tuple[Leg, ...]
@@ -69,7 +136,7 @@ class Report:
     ship: str
     model: str
     length_m: float
-    zigzag_deg: tuple[float, float]
+    helms: tuple[Helm, ...]
     seconds: float
     interval_s: float
     outputs: tuple[str, ...]
@@ -105,10 +172,13 @@ class TrialShip(IdentifiedShip):
 def design(ship: ShipFile, options: Mapping[str, Any]) -> Design:
     """Return trials of the ship with what they would tell; ``options`` are the command's.
 
-    With several speeds each is tried alone, then all of them in the same time. ConfigError.
+    With several speeds, or both kinds of helm, each is tried alone, then all of them in the same
+    time. ConfigError.
     """
     usual = IdentifiedShip(ship)
-    legs = [Leg(*one) for one in options["speeds"]] or [Leg(usual.speed_kn, usual.speed_kn)]
+    speeds = options["speeds"] or ((usual.speed_kn, usual.speed_kn),)
+    helms = tuple(_helms(usual, options))
+    legs = [Leg(speed, held, helm) for helm in helms for speed, held in speeds]
     _check(ship, legs, options)
     ways = [(leg,) for leg in legs] + ([tuple(legs)] if len(legs) > 1 else [])
     interval = options["interval"] or STEPS * usual.step
@@ -120,7 +190,7 @@ def design(ship: ShipFile, options: Mapping[str, Any]) -> Design:
         ship=ship.name,
         model=expected[0].problem.model.name,
         length_m=ship.dimensions.length_m,
-        zigzag_deg=options["zigzag"],
+        helms=helms,
         seconds=options["seconds"],
         interval_s=every * usual.step,
         outputs=("speed", *_outputs(options)),
@@ -130,6 +200,22 @@ def design(ship: ShipFile, options: Mapping[str, Any]) -> Design:
         remarks=tuple(_remarks(plans)),
     )
     return Design(report, flown, expected)
+
+
+def _helms(usual: IdentifiedShip, options: Mapping[str, Any]) -> Iterator[Helm]:
+    """Yield what the rudder does: the zig-zag, the sequence, or both, as they are asked for.
+
+    A bit lasts the time of a length, and the register is the shortest that the time does not end.
+    """
+    if options["zigzag"] is not None:
+        yield Helm(options["zigzag"])
+    if options["amplitude"] is not None:
+        hold = options["hold"] or usual.length / (usual.speed_kn * KNOT)
+        wanted = options["seconds"] / hold
+        long = (bits for bits in TAPS if 2**bits - 1 >= wanted)
+        bits = options["bits"] or next(long, max(TAPS))
+        prbs(bits, options["seed"])
+        yield Helm(None, options["amplitude"], hold, bits, options["seed"])
 
 
 def sensors_of(ship: ShipFile, options: Mapping[str, Any], given: Collection[str]) -> Sensors:
@@ -150,24 +236,27 @@ def _outputs(options: Mapping[str, Any]) -> tuple[str, ...]:
 
 def _check(ship: ShipFile, legs: Sequence[Leg], options: Mapping[str, Any]) -> None:
     """Check what is asked for; ConfigError with the limit."""
-    most, helm = ship.dimensions.rudder_limit_deg, options["zigzag"][0]
-    if helm > most:
-        raise ConfigError(f"--zigzag: the rudder goes to {most:g} deg, not {helm:g}")
+    most = ship.dimensions.rudder_limit_deg
+    for leg in legs:
+        if leg.helm.angle_deg > most:
+            option = "zigzag" if leg.helm.zigzag_deg else "amplitude"
+            raise ConfigError(
+                f"--{option}: the rudder goes to {most:g} deg, not {leg.helm.angle_deg:g}"
+            )
     if len(legs) > MOST:
-        raise ConfigError(f"--speed: {len(legs)} speeds: a page has room for {MOST}")
+        raise ConfigError(f"--speed: {len(legs)} trials: a page has room for {MOST}")
     read = _outputs(options)
     if "sway" not in read or not {"yaw_rate", "heading"} & set(read):
         raise ConfigError("--output: such a ship is told by sway with yaw_rate or heading")
 
 
 def _flights(ship: ShipFile, legs: Sequence[Leg], options: Mapping[str, Any]) -> tuple[Flight, ...]:
-    """Return the zig-zags of a plan, which share its seconds. ConfigError if one is lost."""
-    angle, execute = options["zigzag"]
+    """Return the flights of a plan, which share its seconds. ConfigError if one is lost."""
     each = options["seconds"] / len(legs)
     flown = []
     for leg in legs:
-        manoeuvre = ZigZag(angle_deg=angle, execute_deg=execute, duration_s=each)
-        flight = fly(TrialShip(ship, leg.held_kn * KNOT), manoeuvre, leg.speed_kn * KNOT)
+        vessel = TrialShip(ship, leg.held_kn * KNOT)
+        flight = fly(vessel, leg.helm.manoeuvre(each), leg.speed_kn * KNOT)
         if flight.lost:
             raise ConfigError(f"{ship.path.name}: {leg}: {flight.lost}")
         flown.append(flight)
@@ -178,7 +267,7 @@ def flown_trial(ship: ShipFile, flight: Flight, every: int, read: Sequence[str])
     """Return a flight as a record without errors; ConfigError if it is too short."""
     t = flight.t[::every]
     if len(t) < SHORTEST:
-        raise ConfigError(f"--seconds: {len(t)} samples of a zig-zag; needs {SHORTEST} or more")
+        raise ConfigError(f"--seconds: {len(t)} samples of a trial; needs {SHORTEST} or more")
     names = zip(READINGS, ("u", "v", "r", "psi"), strict=True)
     none, calm = np.full(len(t), math.nan), np.zeros(len(t))
     readings = [
@@ -197,7 +286,7 @@ def _expected(
     if ship.result is None:
         raise ConfigError(f"{ship.path.name}: lacks [result]")
     trials = [flown_trial(ship, flight, every, _outputs(options)) for flight in flights]
-    model = model_of(ship.result.model, wind=False)
+    model = model_for(ship, ship.result.model, wind=False)
     prior, _ = prior_of(model, ship)
     problem = problem_of(model, ship.constants, trials, prior, options["prior_strength"])
     noise = _noise(ship, ship.result.speed_kn * KNOT, options)
@@ -240,7 +329,7 @@ def _plan(name: str, legs: tuple[Leg, ...], flights: Sequence[Flight], expected:
 
 
 def _remarks(plans: Sequence[Plan]) -> Iterator[str]:
-    """Yield which plan tells which coefficients best, and where a zig-zag hardly turned."""
+    """Yield which plan tells which coefficients best, and where a trial hardly turned."""
     for plan in plans:
         if plan.executes < 3 * len(plan.legs):
             yield f"{plan.name}: {plan.executes} executes are few: give it more --seconds"
@@ -255,12 +344,12 @@ def _remarks(plans: Sequence[Plan]) -> Iterator[str]:
 
 def render(report: Report) -> str:
     """Return the report as text."""
-    helm, heading = report.zigzag_deg
+    helms = "; ".join(map(str, report.helms))
     lines = [
         f"TRIALS OF A SHIP, model {report.model}",
         f"{INDENT}{cut(report.ship, 60)}, {report.length_m:g} m",
         *wrap(
-            f"zig-zag {helm:g}/{heading:g}, {report.seconds:g} s in all, samples every "
+            f"{helms}; {report.seconds:g} s in all, samples every "
             f"{report.interval_s:g} s of {', '.join(report.outputs)}"
         ),
         *wrap(f"prior: {report.prior}, widths times {report.prior_strength:g}"),
@@ -308,7 +397,7 @@ def _untold(plan: Plan) -> list[str]:
 
 
 def panels(found: Design) -> tuple[Panel, ...]:
-    """Return rudder, heading and speed of each zig-zag."""
+    """Return rudder, heading and speed of each leg."""
     drawn = []
     alone = [
         (plan, flights[0]) for plan, flights in zip(found.report.plans, found.flights, strict=True)

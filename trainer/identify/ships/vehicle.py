@@ -25,7 +25,7 @@ from trainer.config.schema import read_record
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import sail_record
 from trainer.identify.kernels.ship_forces import ROWS, add_terms, set_terms
-from trainer.identify.ships.models import NONLINEAR, model_of
+from trainer.identify.ships.models import NONLINEAR, check_names, model_for
 from trainer.identify.ships.ship_file import ShipFile, read_ship
 from trainer.units import KNOT
 
@@ -62,12 +62,10 @@ class IdentifiedShip:
         self.file, self.result = ship, ship.result
         usual = STEP * self.length / (self.result.speed_kn * KNOT)
         self.step = step or float(f"{usual:.1g}")
-        self._model = model_of(self.result.model, wind="N_ww" in ship.coefficients)
-        missing = [name for name in self._model.names if name not in ship.coefficients]
-        if missing:
-            raise ConfigError(f"{ship.path.name}: [coefficients] lacks {', '.join(missing)}")
-        self._terms, self._constants = self._model.terms, ship.constants
-        self._whole = np.array([ship.coefficients[name] for name in self._model.names])
+        model = model_for(ship, self.result.model, wind="N_ww" in ship.coefficients)
+        check_names(ship, model)
+        self._terms, self._constants = model.terms, ship.constants
+        self._whole = model.whole(ship.coefficients)
         self._limit = math.radians(ship.dimensions.rudder_limit_deg)
         self._state, self._place = np.zeros(4), np.zeros(2)
         self._record, self._out = np.zeros((2, 10)), np.empty((2, 4))

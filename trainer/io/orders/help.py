@@ -2,6 +2,7 @@
 
 import difflib
 import re
+import textwrap
 from collections.abc import Sequence
 
 from trainer.io.orders import sentences
@@ -117,7 +118,7 @@ def help_text(topic: str) -> list[str]:
     lines = [f"{topic}, in full:"]
     for form in forms:
         line = f"  {usage(form):<34}  {form.says}"
-        lines += [line] if len(line) <= WIDTH else [f"  {usage(form)}", f"      {form.says}"]
+        lines += [line] if len(line) <= WIDTH else [*wrapped(usage(form)), f"      {form.says}"]
     patterns = " ".join(form.pattern for form in forms).split()
     lines += [
         f"  {name} is {limits_and_units(number)}"
@@ -125,6 +126,12 @@ def help_text(topic: str) -> list[str]:
         if name in patterns
     ]
     return lines + [f"  {same}" for same in synonyms(patterns)]
+
+
+def wrapped(pattern: str) -> list[str]:
+    """Return a pattern in lines that fit."""
+    shape = textwrap.TextWrapper(WIDTH, "  ", "    ", break_on_hyphens=False)
+    return shape.wrap(pattern)
 
 
 def overview(first: str, topics: Sequence[Topic]) -> list[str]:

@@ -127,9 +127,9 @@ BOAT_TOPICS = (
         "also wind 30, calm; set 090 drift 2",
     ),
     Topic(
-        ("casualty", "clear", "casualties"),
+        ("casualty", "clear", "casualties", "contact"),
         "casualty NAME | clear all",
-        "also NAME 0.5 ramp 30; casualties",
+        "also NAME 0.5 ramp 30; contact TUG ...",
     ),
     Topic(("freeze", "run", "step"), "freeze | run | step 10", "stop time, let it go on, 10 ticks"),
     Topic(("status",), "status", "everything about the boat, once"),

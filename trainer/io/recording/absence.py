@@ -1,4 +1,4 @@
-"""Recordings that are no file, one that keeps next to nothing: a run needs no ``if``."""
+"""Recordings that are no file; with them a run needs no ``if``."""
 
 from collections.abc import Container, Iterator
 from dataclasses import replace

@@ -63,7 +63,7 @@ def current(s: Readings) -> tuple[str, ...]:
 
 
 def ways(s: Readings) -> tuple[str, ...]:
-    """Return the fields of VBW; speeds of the stern, which it tells of too, are not there."""
+    """Return the fields of VBW, without those of the stern."""
     water = number(s.speed, 2), number(s.across, 2), "A"
     ground = number(s.ahead_over_ground, 2), number(s.across_over_ground, 2), "A"
     return (*water, *ground, "", "V", "", "V")

@@ -219,7 +219,7 @@ def local(host: str) -> bool:
 
 
 def parse_names(text: str | None) -> Sequence[str]:
-    """Return the names of a list with commas, the usual for none; ConfigError with the nearest."""
+    """Return the names of a list, the usual for none; ConfigError naming the nearest."""
     if text is None:
         return (*USUAL, AIS)
     names = [name.strip().upper() for name in text.split(",")]

@@ -20,6 +20,7 @@ from trainer.session.stations.panels import (
     metres,
     word,
 )
+from trainer.session.stations.plot import CONTACTS
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
@@ -43,7 +44,7 @@ SLOWEST: Final = 0.005  # [kn] that is not written as zero
 
 
 def way_over_ground(frame: Frame) -> tuple[float, float]:
-    """Return the velocity north and east [m/s] over the ground, none while the place is held."""
+    """Return the way [m/s] north and east, none while the place is held."""
     return (0.0, 0.0) if frame["held_position"] else (frame["xdot"], frame["ydot"])
 
 
@@ -56,7 +57,7 @@ def way_made(frame: Frame) -> tuple[float, float]:
 
 
 def set_and_drift(frame: Frame) -> tuple[float | None, float]:
-    """Return where the water at the boat goes to [deg], None where it stands, and drift [kn]."""
+    """Return set [deg] and drift [kn] at the boat, no set in still water."""
     north = frame["water_north"] + frame["shear_north"] * frame["z"]
     east = frame["water_east"] + frame["shear_east"] * frame["z"]
     drift = math.hypot(north, east) / KNOT
@@ -164,6 +165,7 @@ INSTRUCTOR: Final = (
         "what is broken: kind, amount in SI units now and in the end, and the time until then",
         tuple(field for slot in range(CASUALTIES) for field in slot_fields(slot)),
     ),
+    CONTACTS,
     Channel(
         "ledger",
         "what became of the ticks",

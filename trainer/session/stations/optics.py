@@ -116,11 +116,23 @@ def sight_fields(place: int) -> tuple[Field, ...]:
     )
 
 
+def looks(frame: Frame) -> bool:
+    """Return whether the optics are out of their well."""
+    stands = mast(frame)
+    return stands is not None and stands.out >= SHOWS
+
+
+def head(frame: Frame) -> Value:
+    """Return the height [m] of the head over the mean water. None: nobody looks."""
+    over = eye(frame) if looks(frame) else None
+    return None if over is None else over + frame["eta_wave"]
+
+
 def of_swell(read: Callable[[Swell], Value]) -> Callable[[Frame], Value]:
-    """Return how to read something off the waves round the boat. None: it is calm."""
+    """Return how to read something off the waves. None: it is calm, or nobody looks."""
 
     def value(frame: Frame) -> Value:
-        if not frame["sea_height"]:
+        if not frame["sea_height"] or not looks(frame):
             return None
         if "swell" not in frame.kept:
             frame.kept["swell"] = swell_round(frame.numbers, frame.fittings.g)
@@ -158,7 +170,7 @@ SWELL: Final = Channel(
     "swell",
     "the waves round the boat, packed for the picture, and the head over their mean",
     (
-        Field("head", "m", 3, lambda frame: (eye(frame) or 0.0) + frame["eta_wave"], packed=True),
+        Field("head", "m", 3, head, packed=True),
         Field("pitch", "deg", 2, lambda frame: math.degrees(frame["theta"]), packed=True),
         Field("heel", "deg", 2, lambda frame: math.degrees(frame["phi"]), packed=True),
         Field("height", "m", 3, of_swell(lambda swell: swell.height), packed=True),

@@ -98,7 +98,8 @@ def _role(name: str, title: str, *channels: str) -> Role:
 
 
 PANELS: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
-TRUTH: Final = ("motion", "sea", "current", "casualties", "lookout", "ledger")
+# what only the instructor sees
+TRUTH: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout", "ledger")
 
 INSTRUCTOR: Final = Role(
     "instructor",

@@ -23,7 +23,7 @@ class Pace(NamedTuple):
     branch: int = 1  # of the recording
     replaying: bool = False
     told: str = ""  # the last words to the crew
-    world: int = 0  # how often orders have changed the world
+    after: int = 0  # number of the last order when it was shown: the world depends on them
 
 
 class Picture(NamedTuple):

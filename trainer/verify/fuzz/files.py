@@ -11,6 +11,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from trainer.analysis.estimate.boat_file import boat_tables, boat_text, estimate_of
+from trainer.analysis.estimate.boat_file import load as load_drawing
 from trainer.analysis.evaluate import answers
 from trainer.analysis.guide.baseline import load_earlier
 from trainer.analysis.guide.trials import load_published
@@ -20,12 +22,12 @@ from trainer.config.casualties import parse_casualties
 from trainer.config.condition import compile_condition
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError, Place, read_text
+from trainer.config.nomoto import load_nomoto
 from trainer.config.sea import parse_sea
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core.kernel import Record
 from trainer.identify.decca_study import load_decca, load_readings
 from trainer.identify.estimate import resume
-from trainer.identify.nomoto import load_nomoto
 from trainer.identify.ships.ship_file import parse_ship, ship_text
 from trainer.identify.ships.vehicle import IdentifiedShip
 from trainer.identify.sources import Column, load_record
@@ -288,6 +290,14 @@ def ship(text: str, path: Path) -> None:
         IdentifiedShip(found)
 
 
+def hull(path: Path) -> None:
+    """Read a hull and estimate its boat, whose numbers a vessel may have."""
+    made = estimate_of(load_drawing(str(path)))
+    if not np.isfinite([*made.values.values(), *made.sd.values()]).all():
+        raise AssertionError("a coefficient or its deviation is no number")
+    parse_vessel(boat_text(made, boat_tables(made)), path)
+
+
 def condition(data: bytes) -> None:
     """Read a condition on the state."""
     with suppress(ConfigError):
@@ -383,7 +393,21 @@ TARGETS: Final = (
     Target(
         "study", "a study of a ship from its record", load_proof(load_study), lambda: [STUDY], 512
     ),
-    Target("ship", "a ship that is not linear", text(ship), lambda: [SHIP], 1200, spared=()),
+    Target(
+        "hull",
+        "a drawing, its boat estimated",
+        load_proof(hull),
+        lambda: shipped_seeds("hulls"),
+        2400,
+    ),
+    Target(
+        "ship",
+        "a ship that is not linear",
+        text(ship),
+        lambda: [SHIP, *shipped_seeds("ships")],
+        1600,
+        spared=(),
+    ),
     Target(
         "nomoto",
         "a ship of a few parameters",

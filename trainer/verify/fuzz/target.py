@@ -14,7 +14,7 @@ from trainer.config.files import SHIPPED, reading_recorded, shipped, shipped_nam
 
 MEMORY: Final = Path("/dev/shm")  # noqa: S108  a file system in memory, where there is one
 TABLE: Final = re.compile(r"^\[+([\w.-]+)\]", re.MULTILINE)
-KINDS: Final = ("", "vessels", "seas", "casualties", "exercises", "trials")
+KINDS: Final = ("", "vessels", "hulls", "ships", "seas", "casualties", "exercises", "trials")
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,9 @@ import { Chart, stepOf, stroke } from "./chart.js";
 
 /**
  * @typedef {[north: number, east: number]} Place [m]
- * @typedef {{ ordered?: number | null, recent?: number }} More the ordered course [deg], and how many
- *   of the last places are drawn full
+ * @typedef {{ name: string, bearing: number, range: number, course: number }} Ship from the boat
+ * @typedef {{ ordered?: number | null, recent?: number, ships?: Ship[] }} More the ordered course [deg],
+ *   how many of the last places are drawn full, and ships near
  * @typedef {import("./chart.js").Area & { x: (east: number) => number,
  *   y: (north: number) => number, scale: number }} Map
  */
@@ -13,6 +14,8 @@ const GRID = [50, 100, 200, 500, 1000, 2000, 5000, 10_000, 20_000]; // [m]
 const LEAST = [200, 300]; // [m] to north and to east that are always shown
 const EDGE = 40; // [px] beside the track, both sides together
 const BOAT = 26; // [px] of the boat's length
+const SHIP = 11; // [px] from the middle of a ship to its bow
+const FAR = 10_000; // [m] up to which ships widen the map
 const SMALLEST = 1e-3; // [px] of a metre, where there is next to no room
 const RIGHT = Math.PI / 180;
 
@@ -28,9 +31,15 @@ export class TrackChart extends Chart {
     const area = this.shown && this.begin();
     if (!this.shown || !area) return;
     const { places, heading, more } = this.shown;
-    const map = mapOf(area, places.length ? places : [[0, 0]]);
-    grid(map);
     const last = places.at(-1);
+    /** @type {(Ship & { place: Place })[]} */
+    const ships = (more.ships ?? []).map((ship) => ({ ...ship, place: placeOf(last ?? [0, 0], ship) }));
+    const near = ships.filter(({ range }) => range < FAR).map(({ place }) => place);
+    /** @type {Place[]} */
+    const flown = places.length ? places : [[0, 0]];
+    const map = mapOf(area, [...flown, ...near]);
+    grid(map);
+    for (const ship of ships) mark(map, ship);
     if (last) {
       tail(map, places, more.recent ?? places.length);
       if (more.ordered != null) course(map, last, more.ordered);
@@ -92,6 +101,29 @@ function grid({ pen, width, height, size, colour, x, y, scale }) {
   for (const end of [10, 10 + bar]) stroke(pen, [end, foot - 4, end, foot + 4]);
   pen.textAlign = "left";
   pen.fillText(step < 1000 ? `${step} m` : `${step / 1000} km`, 16 + bar, foot);
+}
+
+/** @param {Place} from @param {Ship} ship @returns {Place} */
+function placeOf([north, east], { bearing, range }) {
+  return [north + range * Math.cos(bearing * RIGHT), east + range * Math.sin(bearing * RIGHT)];
+}
+
+/** A ship is a triangle towards its course, with its name. @param {Map} map @param {Ship & { place: Place }} ship */
+function mark({ pen, size, colour, x, y }, { name, course: towards, place: [northward, eastward] }) {
+  pen.save();
+  pen.translate(x(eastward), y(northward));
+  pen.fillStyle = pen.strokeStyle = colour("ink");
+  pen.textAlign = "left";
+  pen.fillText(name, size * 0.7, 0);
+  pen.rotate(towards * RIGHT);
+  pen.lineWidth = 1.5;
+  pen.beginPath();
+  pen.moveTo(0, -SHIP);
+  pen.lineTo(SHIP / 2, SHIP / 2);
+  pen.lineTo(-SHIP / 2, SHIP / 2);
+  pen.closePath();
+  pen.stroke();
+  pen.restore();
 }
 
 /** @param {Map} map @param {Place[]} places @param {number} recent */

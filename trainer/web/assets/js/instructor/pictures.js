@@ -3,6 +3,7 @@ import { before } from "../model/history.js";
 import { html, one } from "../draw.js";
 import { PLACES } from "./moment.js";
 import { paced } from "./desk.js";
+import { shipsOf } from "./ships.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
@@ -165,7 +166,8 @@ function drawTrack({ session, moment }) {
     if (times[at] >= moment.seconds - RECENT) recent += 1;
   }
   const ordered = moment.first(...PLACES.heading.slice(1));
-  chart.show(places, moment.number("motion.heading"), { ordered, recent });
+  const ships = moment.looking ? [] : shipsOf(session);
+  chart.show(places, moment.number("motion.heading"), { ordered, recent, ships });
 }
 
 /** The pointers of the attitude, which move between ticks. */

@@ -73,9 +73,9 @@ function furnishOrders(desk) {
   one("#no-current").onclick = () => void desk.give("current off");
 }
 
-/** Track and sea share a place: one of them is seen. */
+/** Track, sea and ships share a place: one of them is seen. */
 function furnishTabs() {
-  const tabs = [one("#track-tab"), one("#sea-tab")];
+  const tabs = [one("#track-tab"), one("#sea-tab"), one("#ships-tab")];
   const choose = (/** @type {HTMLElement} */ wanted) => {
     for (const tab of tabs) {
       const here = tab === wanted;
@@ -88,7 +88,8 @@ function furnishTabs() {
     tab.onclick = () => choose(tab);
     tab.onkeydown = ({ key }) => {
       if (key !== "ArrowLeft" && key !== "ArrowRight") return;
-      const other = tabs[tab === tabs[0] ? 1 : 0];
+      const by = key === "ArrowRight" ? 1 : tabs.length - 1;
+      const other = tabs[(tabs.indexOf(tab) + by) % tabs.length];
       choose(other);
       other.focus();
     };

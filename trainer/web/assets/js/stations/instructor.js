@@ -17,6 +17,7 @@ import { showAboard, showLog } from "../instructor/log.js";
 import { furnishOrderLine } from "../instructor/order-line.js";
 import { POINTERS, showAttitude, showCharts, showTanks } from "../instructor/pictures.js";
 import { showSea } from "../instructor/sea.js";
+import { showShips } from "../instructor/ships.js";
 import { showState } from "../instructor/state-table.js";
 import { furnishTime, furnishTimeLine, toggleTime } from "../instructor/time.js";
 import { WATCHES } from "../instructor/watches.js";
@@ -27,7 +28,7 @@ import { Link } from "../protocol/link.js";
 
 const CHANNELS = [
   ...["motion", "gauges", "orders", "steering", "engine", "diving", "tanks", "air", "valves"],
-  ...["time", "sea", "current", "casualties", "lookout", "ledger"],
+  ...["time", "sea", "current", "casualties", "contacts", "lookout", "ledger"],
 ];
 const AWAY = ["connecting", "lost", "role"]; // states in which nothing can be ordered
 
@@ -42,6 +43,7 @@ showCasualties(desk);
 showLog(desk);
 showAboard(desk);
 showSea(desk);
+showShips(desk);
 showTanks(desk);
 showAttitude(desk, motion);
 furnishTime(desk);

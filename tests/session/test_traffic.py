@@ -1,0 +1,252 @@
+"""Ships in a session: added, moved and removed live, called, run into, replayed and debriefed."""
+
+import json
+import math
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from helpers.crewed import Crewed, crewed
+from helpers.places import environment
+
+from trainer.analysis.debrief.encounters import meet
+from trainer.analysis.rehearsal import fly
+from trainer.boat.world.contacts import contacts_in
+from trainer.config.world import WorldTables, read_world
+from trainer.session.options import RunOptions
+from trainer.session.plan import plan_run
+from trainer.session.stations.channels import CHANNELS
+from trainer.session.stations.view import Pace, Picture, StateReader
+from trainer.session.time.ledger import Ledger
+
+__all__ = ["crewed"]
+
+WALL = """
+[[contact]]
+name = "wall"
+type = "tanker"
+points = [[400, 0]]
+course_deg = 90
+[contacts]
+collision = "{what}"
+"""
+RUN = ("--headless", "--speed", "max")
+
+
+def tables(text: str) -> WorldTables:
+    """Return the tables of a world as an exercise has them."""
+    return read_world(tomllib.loads(text), Path("ships.toml"))
+
+
+def shallow(ship: Crewed) -> Crewed:
+    """Let a boat be where its sail is in the way of keels."""
+    ship.boat.start(5.0, 17.5, 0.0)
+    ship.session.return_to(ship.session.history.now(), "shallow")
+    return ship
+
+
+def test_a_collision_freezes_and_time_may_go_on(crewed: Callable[..., Crewed]) -> None:
+    ship = shallow(crewed(seconds=None, world=tables(WALL.format(what="freeze"))))
+    ship.fly(400)
+    assert ship.session.time.frozen
+    assert "collision with wall" in " ".join(ship.events(ship.instructor, "time"))
+    assert any("COLLISION with wall" in each for each in ship.events(ship.instructor, "watch"))
+    here = ship.boat.ticks
+    ship.fly(20)
+    assert ship.boat.ticks == here + 20
+
+
+def test_a_collision_ends_an_exercise_that_says_so(crewed: Callable[..., Crewed]) -> None:
+    ship = shallow(crewed(seconds=3600.0, world=tables(WALL.format(what="end"))))
+    ship.fly(400)
+    assert ship.conduct.ending.how == "lost"
+    assert ship.conduct.ending.why == "collision with wall"
+
+
+def test_a_collision_may_be_called_alone(crewed: Callable[..., Crewed]) -> None:
+    ship = shallow(crewed(seconds=None, world=tables(WALL.format(what="call"))))
+    ship.fly(400)
+    assert not ship.session.time.frozen
+    told = [each for each in ship.events(ship.instructor, "watch") if "COLLISION" in each]
+    assert len(told) == 1
+
+
+def test_an_instructor_adds_moves_and_removes_ships(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None)
+    ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
+    ship.fly(10)
+    contacts = contacts_in(ship.boat)
+    assert contacts is not None
+    (tug,) = contacts.seen(10)
+    assert (tug.north, tug.east) == pytest.approx((500.0, -200.0 + 5.0 * 8.0 * 1852 / 3600))
+    ship.order("contact tug1 move 900 100")
+    (tug,) = contacts.seen(10)
+    assert (tug.north, tug.east) == (900.0, 100.0)
+    ship.order("contact tug1 course 180")
+    ship.order("contact tug1 speed 0")
+    ship.fly(600)
+    (tug,) = contacts.seen(610)
+    assert (tug.course, tug.speed) == pytest.approx((math.pi, 0.0))
+    assert ship.order("contact tug1 remove") == "contact tug1 is gone"
+    assert contacts.seen(610) == ()
+    assert [each.name for each in contacts.seen(300)] == ["tug1"]
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        ("contact tug2 remove", "no contact tug2; nearest is tug1"),
+        ("contact zz speed 3", "no contact zz; there are: tug1"),
+        ("contact tug1 speed 15", "a tug makes 14 kn"),
+        ("contact add tug1 tug at 0 900 course 0 speed 3", "there is a contact tug1 already"),
+        ("contact add yy yacht at 0 900 course 0 speed 10", "a yacht makes 9 kn"),
+        ("contact add add tug at 0 900 course 0 speed 3", "add: a name has at most 16"),
+    ],
+)
+def test_what_cannot_be_is_refused(crewed: Callable[..., Crewed], words: str, why: str) -> None:
+    ship = crewed(seconds=None)
+    ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
+    assert why in ship.refused(words)
+
+
+def test_the_crew_has_no_ships_to_order(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None)
+    assert ship.refused("contact add tug1 tug at 0 900 course 0 speed 3", by=ship.comes("helm"))
+    assert ship.refused("subscribe contacts", by=ship.comes("diving"))
+
+
+LIVE = {
+    0: "contact add tug1 tug at 60 -40 course 010 speed 12",
+    20: "contact tug1 course 030",
+    35: "contact big move 80 60",
+    50: "contact tug1 speed 4",
+    80: "contact big remove",
+}
+PULLING = """
+[[contact]]
+name = "big"
+type = "tanker"
+points = [[0, 120]]
+speed_kn = 12
+[contacts]
+force = "on"
+collision = "call"
+"""
+
+
+def test_a_replay_of_live_changes_ends_in_the_same_bits(crewed: Callable[..., Crewed]) -> None:
+    ship, pulled = shallow(crewed(seconds=None, world=tables(PULLING))), 0
+    for tick in range(100):
+        if words := LIVE.get(tick):
+            ship.order(words)
+        ship.fly(1)
+        pulled += bool(ship.boat.state.ship_force.any())
+    assert 0 < pulled < 100
+    ship.order("freeze")
+    ship.order("replay 45 s")
+    ship.fly(200)
+    assert any(
+        "the same to the last bit" in each for each in ship.events(ship.instructor, "moment")
+    )
+
+
+def test_going_back_takes_the_ships_back(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None)
+    ship.fly(10)
+    ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
+    ship.fly(10)
+    ship.order("contact tug1 remove")
+    ship.fly(10)
+    contacts = contacts_in(ship.boat)
+    assert contacts is not None
+    ship.order("backtrack 8 s")
+    assert [each.name for each in contacts.seen(ship.boat.ticks)] == ["tug1"]
+    ship.order("reset")
+    assert contacts.seen(0) == ()
+
+
+def test_the_instructor_is_sent_the_nearest_ships(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None, world=tables(WALL.format(what="call")))
+    ship.order("contact add near tug at 0 100 course 180 speed 4")
+    ship.fly(2)
+    reader = StateReader(ship.boat, Ledger(0.5).summary)
+    frame = reader.frame(Picture(2, ship.boat.records.state.tobytes(), Pace()))
+    channel = CHANNELS["contacts"]
+    shown = dict(zip((each.name for each in channel.fields), channel.values(frame), strict=True))
+    assert (shown["ships"], shown["contact_1"], shown["contact_2"]) == ("2", "near", "wall")
+    assert (shown["contact_1_type"], shown["contact_1_course"]) == ("tug", "180.0")
+    assert float(shown["contact_1_bearing"]) == pytest.approx(94.1, abs=0.3)
+    assert (shown["contact_2_speed"], shown["contact_2_cpa"]) == ("0.0", "0")
+    assert float(shown["contact_2_tcpa"]) == pytest.approx(395.0 / 5.144, abs=1.0)
+    assert float(shown["contact_1_tcpa"]) < 0.0
+    assert shown["contact_3"] == ""
+
+
+def test_a_rehearsal_ends_with_the_collision_that_loses_it(tmp_path: Path) -> None:
+    head = 'schema = "exercise/1"\nname = "Wall"\nbriefing = "A wall."\nduration_s = 300\n'
+    path = tmp_path / "wall.toml"
+    path.write_text(head + "[initial]\nspeed_kn = 10\ndepth_m = 17.5\n" + WALL.format(what="end"))
+    flown = fly(plan_run(RunOptions(exercise=str(path))))
+    assert flown.lost == "collision with wall"
+    met = meet(flown.trajectory)
+    assert [name for _, name in met.collisions] == ["wall"]
+    assert met.nearest.min() == pytest.approx(met.closest["wall"][0])
+    # the hull is below the keel: the sail, 7 m ahead of the origin, meets a side 16 m from it
+    assert met.closest["wall"][0] == pytest.approx(23.0, abs=3.0)
+
+
+CROSSED = """
+schema = "exercise/1"
+name = "Crossed"
+briefing = "A ferry crosses."
+duration_s = 300
+[initial]
+speed_kn = 6
+depth_m = 60
+[[contact]]
+name = "ferry"
+type = "ferry"
+points = [[500, 600]]
+course_deg = 270
+speed_kn = 6
+[limits]
+cpa_m_min = 200
+[[scores]]
+name = "Kept clear"
+measure = "closest-approach"
+full = 1000
+zero = 300
+"""
+
+
+def test_a_recorded_run_is_replayed_and_debriefed(tmp_path: Path) -> None:
+    """At 3.09 m/s each on crossing courses, the ferry 100 m further off: 71 m at the closest."""
+    (tmp_path / "x.toml").write_text(CROSSED)
+    (tmp_path / "o.txt").write_text("200 contact add late tug at 900 0 course 000 speed 3\n")
+    trainer = (sys.executable, "-m", "trainer")
+    for words in (
+        ("run", "./x.toml", *RUN, "--orders", "o.txt", "--record", "r.trainer"),
+        ("replay", "r.trainer"),
+        ("debrief", "r.trainer", "--html", "d.html", "--json"),
+    ):
+        done = subprocess.run(
+            [*trainer, *words],
+            cwd=tmp_path,
+            env=environment(),
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+        assert done.returncode == 0, (words, done.stdout, done.stderr)
+    page = (tmp_path / "d.html").read_text(encoding="utf-8")
+    assert "closest approach" in page
+    told = json.loads(done.stdout)
+    closest = {each["name"]: each["closest_m"] for each in told["ships"]}
+    assert closest["ferry"] == pytest.approx(71.0, abs=3.0)
+    assert "late" in closest
+    assert told["scores"][0]["value"] == pytest.approx(closest["ferry"])
+    assert "late" in page
