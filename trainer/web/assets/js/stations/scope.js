@@ -200,7 +200,7 @@ function sideOf(degrees) {
 
 /** Returns what is seen, in words. */
 function spoken() {
-  if (view.dataset.view === "dark") return dark() || "View through the periscope";
+  if (["", "down"].includes(session.word("scope.view"))) return dark() || "View through the periscope";
   const under = session.word("scope.view") === "washed" ? "washed over, " : "";
   const seen = session.word("scope.sighted").replaceAll(";", ",") || "no ship in sight";
   return `View through the periscope on ${bearing(bearingNow())}: ${under}${seen}`;
