@@ -11,7 +11,7 @@ import pytest
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import active, arm, clear, insert, readings
+from trainer.boat.casualties import Readings, active, arm, clear, insert, readings
 from trainer.config.casualties import (
     as_json,
     key_table,
@@ -171,6 +171,7 @@ def test_a_casualty_goes_on_from_a_snapshot_to_the_bit(
     boat = at_sea(bb2)
     s = boat.state
     s.ordered_psi, s.ordered_depth, s.blow[:], s.negative_flood = 0.5, 80.0, 1.0, 1.0
+    s.bottom[0] = 100.0  # the sounder needs a ground
     begun(boat, name, None, None if boat.casualties[name].measure.sudden else 4.0)
     run(boat, 2.0)
     snapshot = boat.snapshot()
@@ -536,7 +537,7 @@ def test_an_emergency_blow_with_the_stern_flooding_surfaces_the_boat_or_does_not
 def test_instruments_of_a_sound_boat_tell_the_truth(boat: Boat) -> None:
     run(boat, 5.0)
     s = boat.state
-    assert readings(boat) == (s.z, s.psi, s.u)
+    assert readings(boat) == Readings(s.z, s.psi, s.u, 0.0)
 
 
 @pytest.mark.parametrize(("gauge", "place"), [("depth-gauge", 0), ("gyro", 1), ("log", 2)])
@@ -556,7 +557,7 @@ def test_a_stuck_gauge_stays_at_its_reading_while_the_boat_moves_on(
     clear(boat, f"{gauge}-stuck")
     clear(boat, f"{gauge}-biased")
     run(boat, 1.0)
-    assert readings(boat) == (s.z, s.psi, s.u)
+    assert readings(boat) == Readings(s.z, s.psi, s.u, 0.0)
 
 
 def test_a_biased_gauge_reads_too_much_by_severity_times_its_table(boat: Boat) -> None:
@@ -565,7 +566,8 @@ def test_a_biased_gauge_reads_too_much_by_severity_times_its_table(boat: Boat) -
     begun(boat, "log-biased", 2.0, 0.0)
     s = boat.state
 
-    assert readings(boat) == pytest.approx((s.z - 5.0, s.psi + 10.0 * DEGREE, s.u + 4.0 * KNOT))
+    read = (s.z - 5.0, s.psi + 10.0 * DEGREE, s.u + 4.0 * KNOT, 0.0)
+    assert readings(boat) == pytest.approx(read)
 
 
 def test_a_noisy_gauge_scatters_as_told_and_the_same_each_time(boat: Boat) -> None:

@@ -14,8 +14,7 @@ from trainer.config.exercise import load_exercise
 from trainer.config.files import shipped_names
 from trainer.core.state import STATE
 from trainer.io.orders.sentences import order_sentence, read
-from trainer.session.conduct import Following
-from trainer.session.exercise import Debriefing, Ending, Judgement, is_met, quantity_of
+from trainer.session.exercise import Debriefing, Ending, Following, Judgement, is_met, quantity_of
 from trainer.session.stations.roles import ROLES
 
 # The end of an exercise
@@ -39,6 +38,7 @@ def test_any_quantity_of_a_condition_can_lose_an_exercise(
 ) -> None:
     boat = crewed().boat
     boat.state.z = 2.0  # the sail shows
+    boat.state.bottom[0] = 50.0
     value = quantity_of(boat, quantity)
     assert math.isfinite(value)
     for sense, strict, threshold, met in (

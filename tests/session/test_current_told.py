@@ -22,11 +22,11 @@ from trainer.config.condition import compile_conditions
 from trainer.config.exercise import Limits, parse_exercise
 from trainer.config.files import ConfigError, Place
 from trainer.config.sea import load_sea
+from trainer.io.chart import DEFAULT
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.queries import Moment
 from trainer.session.exercise import is_met
 from trainer.session.layout import LAYOUT
-from trainer.session.nmea.position import DEFAULT
 from trainer.session.nmea.readings import sight
 from trainer.session.nmea.sentences import USUAL, choose_instruments
 from trainer.session.options import RunOptions

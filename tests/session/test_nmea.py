@@ -16,6 +16,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.config.vessel import load_vessel
 from trainer.io import nmea
+from trainer.io.chart import DEFAULT, Chart, chart_at
 from trainer.io.lines import Overlong
 from trainer.io.orders.grammar import Order, parse
 from trainer.session.nmea import page as nmea_page
@@ -28,7 +29,6 @@ from trainer.session.nmea.orders import (
     Useless,
     meaning,
 )
-from trainer.session.nmea.position import DEFAULT, Chart, chart_at
 from trainer.session.nmea.readings import WIDEST
 from trainer.session.nmea.sentences import (
     INSTRUMENTS,
@@ -230,7 +230,7 @@ def test_above_the_surface_depth_is_nought_and_altitude_is_not() -> None:
 
 def test_sentences_are_chosen_by_name_and_sent_in_their_order() -> None:
     assert [each.address for each in choose_instruments(["HDT", "RMC"])] == ["INRMC", "INHDT"]
-    assert len(choose_instruments(["XDR"])) == 2
+    assert len(choose_instruments(["XDR"])) == 3
 
 
 def test_a_file_has_a_set_at_the_rate_of_the_boats_time_and_one_when_time_goes_back() -> None:

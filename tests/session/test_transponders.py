@@ -12,8 +12,8 @@ import pytest
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.boat.world.contacts import contacts_in
+from trainer.io.chart import DEFAULT
 from trainer.io.orders.grammar import Order, parse
-from trainer.session.nmea.position import DEFAULT
 from trainer.session.nmea.sentences import InstrumentSet, choose_instruments
 from trainer.session.nmea.transponders import HEARD, Transponders, antenna, interval
 from trainer.session.options import RunOptions

@@ -21,6 +21,7 @@ from trainer.core.kernel import Numbers, Record
 from trainer.core.scheme import equations_alone
 from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.sea.sea import order_sea
+from trainer.core.soundings import sound
 from trainer.core.start import level_flight, set_out
 from trainer.core.state import STATE
 from trainer.core.update import WATCHED, update
@@ -76,6 +77,7 @@ class Boat:
         self.sea = load_sea("calm")
         self.casualties = load_casualties()
         self.world = World()
+        self.chart: Numbers | None = None  # of the ground, as core.soundings has it
         self._fillings = self.vessel.start.copy()  # [kg] at which the vessel file's weight holds
         start_ballast(self.records.vessel, self.records.vessel, self.records.state)
 
@@ -190,21 +192,33 @@ class Boat:
         self.world.write(self.state)
         return self.advance()
 
+    def sound_by(self, chart: Numbers | None) -> None:
+        """Sound this chart of the ground before each tick from now on; None: none."""
+        self.chart = chart
+        for name in ("advance", "tick"):
+            self.__dict__.pop(name, None)
+
     @functools.cached_property
     def advance(self) -> Callable[[], int]:
         """Advance by one step, the world as the state has it."""
         if compilation.known_compiler():
             from trainer.boat.call import bind  # noqa: PLC0415  it reaches into the compiler
 
-            return bind(tuple(self.records))
-        return functools.partial(update, *self.records)
+            return bind(tuple(self.records), self.chart)
+        if self.chart is None:
+            return functools.partial(update, *self.records)
+        return functools.partial(self._sounded, self.chart)
+
+    def _sounded(self, chart: Numbers) -> int:
+        sound(self.records.vessel, chart, self.records.state)
+        return update(*self.records)
 
     def compiled_tick(self) -> Callable[[], int]:
         """Return ``advance`` as machine code of this machine, the core being interpreted."""
         with compilation.machine_code():
             from trainer.boat.call import bind  # noqa: PLC0415  it reaches into the compiler
 
-            return bind(tuple(self.records))
+            return bind(tuple(self.records), self.chart)
 
     def failure(self, status: int) -> str:
         """Return where and when a failing tick lost its numbers, in words."""

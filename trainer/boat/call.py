@@ -9,7 +9,7 @@ serves. This reaches into numba: ``compilation.known_compiler`` says whether it 
 
 import functools
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
 import numba
 import numpy as np
@@ -19,13 +19,15 @@ from numba.extending import intrinsic
 from numba.np import arrayobj
 from numpy.typing import NDArray
 
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Numbers, Record, kernel
 from trainer.core.scheme import SCHEME
+from trainer.core.soundings import sound
 from trainer.core.state import SCRATCH, STATE
 from trainer.core.update import update
 from trainer.core.vessel import COMPACT, VESSEL
 
 Addresses = NDArray[np.int64]
+ROW: Final = types.Array(types.float64, 1, "C")
 
 
 def _record_at(kind: np.dtype) -> Any:
@@ -56,9 +58,35 @@ vessel_at, compact_at, scheme_at = _record_at(VESSEL), _record_at(COMPACT), _rec
 state_at, scratch_at = _record_at(STATE), _record_at(SCRATCH)
 
 
+def _row_at(_context: Any, _address: Any, _count: Any) -> Any:
+    """Return a function for kernels: from an address so many numbers there, not copied."""
+
+    def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        numbers = context.make_array(ROW)(context, builder)
+        arrayobj.populate_array(
+            numbers,
+            data=builder.inttoptr(arguments[0], numbers.data.type),
+            shape=cgutils.pack_array(builder, [arguments[1]]),
+            strides=cgutils.pack_array(builder, [context.get_constant(types.intp, 8)]),
+            itemsize=8,
+            meminfo=None,
+        )
+        return numbers._getvalue()  # noqa: SLF001  numba has no other way
+
+    return ROW(types.int64, types.int64), code
+
+
+row_at: Any = intrinsic(_row_at)
+
+
 @kernel
 def update_at(addresses: Addresses) -> int:
-    """Advance the boat whose records lie at these addresses by one tick; return its status."""
+    """Advance the boat whose records lie at these addresses by one tick; return its status.
+
+    The address and the length of a chart of the ground come last; it is sounded before the tick.
+    """
+    if addresses[6] != 0:
+        sound(vessel_at(addresses[0]), row_at(addresses[5], addresses[6]), state_at(addresses[3]))
     return update(
         vessel_at(addresses[0]),
         compact_at(addresses[1]),
@@ -68,9 +96,13 @@ def update_at(addresses: Addresses) -> int:
     )
 
 
-def bind(records: tuple[Record, ...]) -> Callable[[], int]:
-    """Return ``update`` of these records, compiled; the caller keeps them, where they are."""
-    addresses = np.array([record.ctypes.data for record in records])
+def bind(records: tuple[Record, ...], chart: Numbers | None = None) -> Callable[[], int]:
+    """Return ``update`` of these records, compiled, the chart of the ground sounded before it.
+
+    The caller keeps them, where they are.
+    """
+    there = (0, 0) if chart is None else (chart.ctypes.data, chart.size)
+    addresses = np.array([*(record.ctypes.data for record in records), *there])
     # the machine code itself: to find it anew by its arguments' types takes a third of a tick
     found: Callable[[Addresses], int] = update_at.compile((numba.typeof(addresses),))
     return functools.partial(found, addresses)

@@ -36,6 +36,7 @@ class Readings(NamedTuple):
     depth: float  # [m]
     heading: float  # [rad] not wrapped
     speed: float  # [m/s]
+    sounding: float  # [m] from the origin's depth down to the ground, 0 without an echo
 
 
 def find(boat: Boat, name: str) -> Casualty | Refused:
@@ -124,6 +125,7 @@ GAUGE_UNITS: Final = {  # what a gauge shows: unit, and its size [SI]
     "depth-gauge": ("m", 1.0),
     "gyro": ("deg", math.radians(1.0)),
     "log": ("kn", KNOT),
+    "sounder": ("m", 1.0),
 }
 SHARES: Final = {  # of kinds that begin or end so: what the amount is a share of
     "-slow": "of the rate lost",
@@ -331,6 +333,8 @@ def _carries(boat: Boat, kind: str) -> bool:
         "flooding": (c.capacity, TANKS, f"compartment_{rest}"),
         "leak": (c.capacity, TANKS, rest.replace("-", "_")),
     }
+    if what == "sounder":
+        return bool(boat.state.bottom[0, 0])
     if what not in parts:
         return what != "autopilot" or boat.automatic
     sizes, names, name = parts[what]

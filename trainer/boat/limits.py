@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
 from trainer.boat.boat import PLACES, Boat
+from trainer.boat.grounding import clearance
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.exercise import Limits
 from trainer.core.sea.free_surface import deck_height, sail_height
@@ -56,6 +57,7 @@ BEYOND: Final = {  # what passing each limit is called; depth grows downwards
     "speed_kn_min": "slower than {:g} kn",
     "speed_over_ground_kn_max": "faster than {:g} kn over the ground",
     "validity_level_max": "validity level above {:g}",
+    "clearance_m_min": "less than {:g} m of water under the keel",
     "cpa_m_min": "nearer than {:g} m to a ship",
 }
 
@@ -143,7 +145,7 @@ class LimitMonitor:
         news = []
         for name, limit in self._set:
             key, _, end = name.rpartition("_")
-            value = self.encounters.nearest[1] if key == "cpa_m" else SEEN[key](boat.state)
+            value = self._value(boat, key)
             if not (value > limit if end == "max" else value < limit):
                 self.beyond.discard(name)
             elif name not in self.beyond:
@@ -151,6 +153,12 @@ class LimitMonitor:
                 said = BEYOND[name].format(limit)
                 news.append((said, f"LIMIT: {said}"))
         return news
+
+    def _value(self, boat: Boat, key: str) -> float:
+        """Return what a limit is of, in its unit."""
+        if key == "clearance_m":
+            return clearance(boat)
+        return self.encounters.nearest[1] if key == "cpa_m" else SEEN[key](boat.state)
 
     def _out_of_range(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that the equations are extrapolated or at their end, if that is news."""

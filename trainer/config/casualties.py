@@ -80,7 +80,7 @@ def _measures() -> dict[str, Measure]:
             f"{surface}-hard-over": Measure(SIDE, f"of its limit, + {side}"),
             f"{surface}-stuck": stuck,
         }
-    units = (("m", 1.0), ("deg", math.radians(1.0)), ("kn", KNOT))
+    units = (("m", 1.0), ("deg", math.radians(1.0)), ("kn", KNOT), ("m", 1.0))
     for gauge, (unit, factor) in zip(GAUGES, units, strict=True):
         found |= {
             f"{gauge}-noisy": Measure(TIMES, f"times noise_{unit}", f"noise_{unit}", factor),
@@ -156,11 +156,11 @@ class Entry:
     clear_ramp_s: float = of(Quantity("s", within(0, 3600), "time to go when cleared"))
     description: str = of(Text(75, "for the list"))
     hole_m2: float | None = optional(Quantity("m2", above(0, 10), "flooding, leak: the hole"))
-    noise_m: float | None = optional(Quantity("m", above(0, 1000), "depth-gauge-noisy: deviation"))
+    noise_m: float | None = optional(Quantity("m", above(0, 1000), "depth-gauge, sounder: noisy"))
     noise_deg: float | None = optional(Quantity("deg", above(0, 180), "gyro-noisy"))
     noise_kn: float | None = optional(Quantity("kn", above(0, 50), "log-noisy"))
     bias_m: float | None = optional(
-        Quantity("m", within(-1000, 1000), "depth-gauge-biased: reads so much more")
+        Quantity("m", within(-1000, 1000), "depth-gauge, sounder: reads so much more")
     )
     bias_deg: float | None = optional(Quantity("deg", within(-180, 180), "gyro-biased"))
     bias_kn: float | None = optional(Quantity("kn", within(-50, 50), "log-biased"))

@@ -103,7 +103,7 @@ class Initial:
     depth_m: float | None = optional(Quantity("m", within(0, 12000), "depth"))
     course_deg: float | None = optional(Quantity("deg", within(0, 360), "course"))
     heavy_t: float | None = optional(
-        Quantity("t", within(-100, 100), "too heavy by so much; no tank shows it")
+        Quantity("t", within(-100, 100), "too heavy, no tank shows it")
     )
     forward_t: float | None = optional(
         Quantity("t", within(-100, 100), "as much weight forward as belongs aft; no tank shows it")
@@ -152,6 +152,7 @@ class Limits:
     validity_level_max: float | None = optional(
         Quantity("-", within(0, 2), "of the equations: 0 inside their range, 1 extrapolated")
     )
+    clearance_m_min: float | None = optional(Quantity("m", within(0, 1000), "water under the keel"))
     cpa_m_min: float | None = optional(
         Quantity("m", within(0, 20_000), "nearest to any ship, from middle to middle")
     )

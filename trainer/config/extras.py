@@ -13,6 +13,7 @@ EXTRAS: Final = {  # what is imported, by the extra that brings it
     "pandas": "pandas",
     "distributed": "cluster",
     "scipy": "identify",
+    "tifffile": "bottom",
     "starlette": "web",
     "uvicorn": "web",
     "websockets": "web",

@@ -10,7 +10,7 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
@@ -218,9 +218,14 @@ def _shipped_folder(kind: str) -> Path:
 
 def read_text(path: Path) -> str:
     """Return the text of a file; ConfigError if it is no readable, small UTF-8 text."""
+    return read_kept(path, _text_on_disk)
+
+
+def read_kept(path: Path, read: Callable[[Path], str]) -> str:
+    """Return the text that ``read`` makes of a file, remembered, or the recorded one."""
     key, texts = key_of(path), _recorded.get()
     if texts is None:
-        text = _text_on_disk(path)
+        text = read(path)
     else:
         key = key if key in texts else _shipped_key(path, texts)
         text = texts[key]

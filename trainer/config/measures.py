@@ -134,6 +134,13 @@ MEASURES: Final[Mapping[str, Measure]] = {
         "times that sail or deck came out of the sea, main ballast not being blown",
         "the first",
     ),
+    "aground": Measure(
+        (),
+        (),
+        "-",
+        "times that the ground carried the boat, not counting where it was laid down well",
+        "the first",
+    ),
     "beyond-limits": Measure(
         (),
         (),

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from trainer.config.bottom import BottomTable, read_bottom
 from trainer.config.contacts import (
     CONTACT_RECORDS,
     contacts_schema,
@@ -13,9 +14,11 @@ from trainer.config.contacts import (
 )
 from trainer.config.current import current_schema, read_current
 from trainer.config.files import ConfigError, Place, collecting
+from trainer.config.schema import record_schema
 
 # by the name of the table: from what it holds, its place, and the exercise's path to a record
 READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {
+    "bottom": read_bottom,
     "contact": read_contacts,
     "contacts": read_encounters,
     "current": read_current,
@@ -25,8 +28,12 @@ SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "contact": contacts_schema,
     "contacts": encounters_schema,
     "current": current_schema,
+    "bottom": lambda: record_schema(BottomTable, ("note",)),
 }
-WORLD_RECORDS: Final[Mapping[str, type[Any]]] = {**CONTACT_RECORDS}  # for their keys
+WORLD_RECORDS: Final[Mapping[str, type[Any]]] = {
+    **CONTACT_RECORDS,
+    "bottom": BottomTable,
+}  # for their keys
 WorldTables = Mapping[str, Any]  # records, by the names of their tables
 
 

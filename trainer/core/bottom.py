@@ -1,7 +1,7 @@
-"""The ground under the hull: a soft spring with damping and friction at places along the keel.
+"""The ground under the hull: a soft spring with damping and friction.
 
-At x ahead of the origin the keel is p below ground that rises with the unit normal n, and moves
-over it at v. The ground then pushes with
+At a place x ahead of the origin the keel is p below ground that rises with the unit normal n, and
+moves over it at v. The ground then pushes with
 
     N = max(k p - d v.n, 0)        F = N n - mu N v_t/max(|v_t|, v0)
     m = W/g - Z_wdot        k = w^2 m/5        d = 2 zeta w m/5        v0 = max(0.1, 10 h mu N/m)
@@ -14,7 +14,7 @@ holds (mud) pulls likewise at a hull that lies on it, until its lift is the brea
 import math
 from typing import Final
 
-from trainer.core.elementary import cosine_and_sine
+from trainer.core.elementary import cosine_and_sine, sine
 from trainer.core.kernel import Numbers, Record, part
 from trainer.core.state import SOUNDINGS
 
@@ -25,6 +25,7 @@ DAMPING: Final = 0.5  # [-] zeta
 SLOWEST: Final = 0.1  # [m/s] below which friction is smooth
 
 Vector = tuple[float, float, float]
+Axes = tuple[Vector, Vector, Vector]  # of the body over ground: ahead, to starboard, down
 
 
 @part
@@ -34,12 +35,12 @@ def keel_below(vessel: Record) -> float:
 
 
 @part
-def clearance(vessel: Record, sin_th: float, keel: float, state: Record) -> float:
-    """Return the least height [m] of the keel, ``keel`` below the origin, over the ground."""
+def clearance(state: Record, keel: float) -> float:
+    """Return the least height [m] of a level ``keel`` [m] over the ground."""
     s = state[0]
     least = math.inf
     for i in range(SOUNDINGS):
-        least = min(least, s.bottom[0, i] + PLACES[i] * vessel[0].ell * sin_th)
+        least = min(least, s.bottom[0, i])
     return least - s.z - keel
 
 
@@ -50,33 +51,41 @@ def dot(a: Vector, b: Vector) -> float:
 
 
 @part
-def push(vessel: Record, scheme: Record, state: Record, p: float, n: Vector, v: Vector) -> Vector:
-    """Return the force [N] of the ground on a place ``p`` [m] below it that moves at ``v`` [m/s].
+def carried(vessel: Record, scheme: Record, state: Record, p: float, rise: float) -> float:
+    """Return the load [N] on a place ``p`` [m] below the ground.
 
-    All are over ground, north, east and down.
+    The place rises at ``rise`` [m/s]. The load is negative where the ground holds the hull.
     """
-    how, s = scheme[0], state[0]
-    mass = s.weight / vessel[0].g + vessel[0].m33
-    share = STIFFNESS / SOUNDINGS * mass
+    mass = state[0].weight / vessel[0].g + vessel[0].m33
+    normal = STIFFNESS / SOUNDINGS * mass * (STIFFNESS * p - 2.0 * DAMPING * rise)
+    if p > 0.0:
+        return max(normal, 0.0)
+    return min(max(normal, -scheme[0].breakout / SOUNDINGS), 0.0)
+
+
+@part
+def push(
+    vessel: Record, scheme: Record, state: Record, load: float, n: Vector, v: Vector
+) -> Vector:
+    """Return the force [N] of the ground on a place with a ``load`` [N].
+
+    It moves at ``v`` [m/s]. All are over ground, north, east and down.
+    """
+    mass = state[0].weight / vessel[0].g + vessel[0].m33
     rise = dot(v, n)
-    normal = share * (STIFFNESS * p - 2.0 * DAMPING * rise)
-    holds = how.breakout / SOUNDINGS if p <= 0.0 else 0.0
-    normal = max(normal, -holds)
     along = (v[0] - rise * n[0], v[1] - rise * n[1], v[2] - rise * n[2])
-    rub = how.friction * abs(normal)
-    smooth = max(SLOWEST, 10.0 * how.h * rub / mass, math.sqrt(dot(along, along)))
-    s.bottom_load += normal
-    rub /= smooth
+    rub = scheme[0].friction * abs(load)
+    rub /= max(SLOWEST, 10.0 * scheme[0].h * rub / mass, math.sqrt(dot(along, along)))
     return (
-        normal * n[0] - rub * along[0],
-        normal * n[1] - rub * along[1],
-        normal * n[2] - rub * along[2],
+        load * n[0] - rub * along[0],
+        load * n[1] - rub * along[1],
+        load * n[2] - rub * along[2],
     )
 
 
 @part
 def holding(vessel: Record, scheme: Record, state: Record) -> float:
-    """Return how far [m] above the ground it still holds a hull that lies on it."""
+    """Return how far [m] above the ground it holds a hull that lay there."""
     if scheme[0].breakout <= 0.0 or state[0].aground == 0.0:
         return 0.0
     mass = state[0].weight / vessel[0].g + vessel[0].m33
@@ -84,7 +93,7 @@ def holding(vessel: Record, scheme: Record, state: Record) -> float:
 
 
 @part
-def axes(state: Record) -> tuple[Vector, Vector, Vector]:
+def axes(state: Record) -> Axes:
     """Return the body's axes over ground: ahead, to starboard, down."""
     s = state[0]
     cos_phi, sin_phi = cosine_and_sine(s.phi)
@@ -104,10 +113,10 @@ def axes(state: Record) -> tuple[Vector, Vector, Vector]:
 
 
 @part
-def over_ground(state: Record, x: float, keel: float, z: float) -> Vector:
-    """Return the velocity [m/s] over ground of the keel at ``x`` [m], which is at depth ``z``."""
+def over_ground(state: Record, turned: Axes, x: float, keel: float, z: float) -> Vector:
+    """Return the velocity [m/s] over ground of the keel at ``x`` and ``z`` [m]."""
     s = state[0]
-    ahead, right, down = axes(state)
+    ahead, right, down = turned
     a, b, c = s.u + keel * s.q, s.v + x * s.r - keel * s.p, s.w - x * s.q
     north = a * ahead[0] + b * right[0] + c * down[0]
     east = a * ahead[1] + b * right[1] + c * down[1]
@@ -119,38 +128,54 @@ def over_ground(state: Record, x: float, keel: float, z: float) -> Vector:
 
 
 @part
+def add_at(turned: Axes, x: float, keel: float, f: Vector, force: Numbers) -> None:
+    """Add a force [N] on the keel at ``x`` [m], with its moments.
+
+    The force is north, east and down.
+    """
+    ahead, right, down = turned
+    along, aside, below = dot(f, ahead), dot(f, right), dot(f, down)
+    force[0] += along
+    force[1] += aside
+    force[2] += below
+    force[3] -= keel * aside
+    force[4] += keel * along - x * below
+    force[5] += x * aside
+
+
+@part
 def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force: Numbers) -> None:
-    """Add the forces X Y Z [N] and moments K M N [N m] of the ground on the keel."""
+    """Add the forces [N] and moments [N m] of the ground on the keel."""
     s = state[0]
-    ahead, right, down = axes(state)
+    turned = axes(state)
+    ahead, _, down = turned
     free = -holding(vessel, scheme, state)
     for i in range(SOUNDINGS):
         x = PLACES[i] * vessel[0].ell
+        z = s.z + x * ahead[2] + keel * down[2]
+        if z - s.bottom[0, i] <= free:
+            continue
         north, east = s.bottom[1, i], s.bottom[2, i]
         norm = 1.0 / math.sqrt(1.0 + north * north + east * east)
-        z = s.z + x * ahead[2] + keel * down[2]
         p = (z - s.bottom[0, i]) * norm
-        if p <= free:
-            continue
         n = (north * norm, east * norm, -norm)
-        f = push(vessel, scheme, state, p, n, over_ground(state, x, keel, z))
-        along, aside, below = dot(f, ahead), dot(f, right), dot(f, down)
-        force[0] += along
-        force[1] += aside
-        force[2] += below
-        force[3] -= keel * aside
-        force[4] += keel * along - x * below
-        force[5] += x * aside
+        v = over_ground(state, turned, x, keel, z)
+        load = carried(vessel, scheme, state, p, dot(v, n))
+        s.bottom_load += load
+        add_at(turned, x, keel, push(vessel, scheme, state, load, n, v), force)
 
 
 @part
 def bottom_forces(vessel: Record, scheme: Record, state: Record, force: Numbers) -> None:
-    """Add what the ground does to a hull that touches it, and count the ticks for which it does."""
+    """Add what the ground does to a hull that touches it, and count the ticks."""
     s = state[0]
     keel = keel_below(vessel)
-    s.bottom_load = 0.0
-    if clearance(vessel, 0.0, keel, state) > REACH * vessel[0].ell:
-        s.aground = 0.0
-        return
-    add_ground(vessel, scheme, keel, state, force)
-    s.aground = s.aground + 1.0 if s.bottom_load != 0.0 else 0.0
+    s.bottom_load, lies = 0.0, False
+    least = clearance(state, keel)
+    if least <= REACH * vessel[0].ell:
+        least -= REACH * vessel[0].ell * abs(sine(s.theta))
+        holds = holding(vessel, scheme, state)
+        if least <= holds:
+            add_ground(vessel, scheme, keel, state, force)
+            lies = holds > 0.0
+    s.aground = s.aground + 1.0 if s.bottom_load != 0.0 or lies else 0.0

@@ -17,16 +17,17 @@ import numpy as np
 
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, PUMPED, PUMPS
 from trainer.core.kernel import Record, kernel, part
-from trainer.core.noise import GAUGE_NOISE, gaussian
-from trainer.core.state import STATE, VALVES
+from trainer.core.noise import GAUGE_NOISE, SOUNDER_NOISE, gaussian
+from trainer.core.state import SOUNDINGS, STATE, VALVES
 from trainer.core.surfaces import SURFACES
 
 SURFACE_FAULTS: Final = ("slow", "follow-up-lost", "free", "hard-over", "stuck")
 SLOW, FOLLOW_UP_LOST, FREE, HARD_OVER, STUCK = 0, 1, 2, 3, 4
-GAUGES: Final = ("depth-gauge", "gyro", "log")
-DEPTH_GAUGE, GYRO, LOG = 0, 1, 2
+GAUGES: Final = ("depth-gauge", "gyro", "log", "sounder")
+DEPTH_GAUGE, GYRO, LOG, SOUNDER = 0, 1, 2, 3
 GAUGE_FAULTS: Final = ("noisy", "biased", "stuck")
 NOISY, BIASED, GAUGE_STUCK = 0, 1, 2
+SOUNDER_RANGE: Final = 600.0  # [m] to the ground from which it hears an echo
 # Of two faults on one surface or gauge only the one that is later in these lists acts.
 
 FAULTS: Final = (  # in the order of the faults in the state, which begin at its "breach"
@@ -191,22 +192,37 @@ def advance_casualties(state: Record) -> None:
             write_fault(int(s.casualty[i]), s.casualty_amount[i], state)
 
 
+@part
+def sounding(state: Record) -> float:
+    """Return how far [m] the ground is below the origin, 0 without an echo."""
+    s = state[0]
+    height = s.bottom[0, SOUNDINGS // 2] - s.z
+    return height if s.bottom[0, 0] != 0.0 and 0.0 < height <= SOUNDER_RANGE else 0.0
+
+
 @kernel
 def gauge_reading(gauge: int, state: Record) -> float:
-    """Return depth [m], heading [rad] or speed [m/s], with the bias of its gauge."""
+    """Return depth [m], heading [rad], speed [m/s] or sounding [m], with the gauge's bias."""
     s = state[0]
     value = s.z
     if gauge == GYRO:
         value = s.psi
     elif gauge == LOG:
         value = s.u
+    elif gauge == SOUNDER:
+        value = sounding(state)
+        if value == 0.0:
+            return value
     slot = slot_of(GAUGE_CODE[gauge, BIASED], state)
     return value + s.casualty_amount[slot] if slot >= 0 else value
 
 
 @kernel
 def reading(gauge: int, state: Record) -> float:
-    """Return what a gauge reads [m, rad or m/s]: stuck, or biased and noisy."""
+    """Return what a gauge reads [m, rad or m/s]: stuck, or biased and noisy.
+
+    A sounder without an echo reads 0, and never less.
+    """
     s = state[0]
     slot = slot_of(GAUGE_CODE[gauge, GAUGE_STUCK], state)
     if slot >= 0:
@@ -214,14 +230,17 @@ def reading(gauge: int, state: Record) -> float:
     value = gauge_reading(gauge, state)
     slot = slot_of(GAUGE_CODE[gauge, NOISY], state)
     if slot >= 0:
-        value += s.casualty_amount[slot] * gaussian(int(s.seed), GAUGE_NOISE + gauge, int(s.tick))
-    return value
+        if gauge == SOUNDER and value == 0.0:
+            return value
+        stream = SOUNDER_NOISE if gauge == SOUNDER else GAUGE_NOISE + gauge
+        value += s.casualty_amount[slot] * gaussian(int(s.seed), stream, int(s.tick))
+    return max(value, 0.0) if gauge == SOUNDER else value
 
 
 @kernel
 def instruments(state: Record, scratch: Record) -> None:
-    """Write what depth gauge [m], gyro [rad] and log [m/s] read at this tick."""
-    for gauge in range(3):
+    """Write what depth gauge [m], gyro [rad], log [m/s] and sounder [m] read."""
+    for gauge in range(4):
         scratch[0].reading[gauge] = reading(gauge, state)
 
 

@@ -24,6 +24,7 @@ SEA_PHASE: Final = 2
 SEA_FREQUENCY: Final = 3
 GAUGE_NOISE: Final = 4  # and the next two
 SEA_BANK: Final = 7  # of the standard spectrum, and the next of the peaked one
+SOUNDER_NOISE: Final = 9
 
 
 @part

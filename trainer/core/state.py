@@ -308,7 +308,7 @@ SCRATCH: Final = record_dtype(
     ("origin_rates", (12,)),
     ("coarse", (12,)),  # the variable step taken whole
     ("gains", (20,)),  # autopilot gains at the present speed
-    ("reading", (3,)),  # of depth gauge [m], gyro [rad], log [m/s]
+    ("reading", (4,)),  # of depth gauge [m], gyro [rad], log [m/s], sounder [m]
     *SEA_FIELDS,
     ("before", (STATE.itemsize // 8,)),  # the state before the tick
 )

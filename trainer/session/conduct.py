@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from trainer.boat.depths import collapse_of, hull_depth
+from trainer.boat.grounding import GroundMonitor
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.course import course
 from trainer.io.orders.grammar import Order, Refused
@@ -20,7 +21,15 @@ from trainer.io.recording.recording import RecordingError
 from trainer.session.control import HERE, Control
 from trainer.session.crew import role_of
 from trainer.session.event_log import EventLog
-from trainer.session.exercise import AT_ITS_END, OVER, Debriefing, Ending, Judgement, Work
+from trainer.session.exercise import (
+    AT_ITS_END,
+    OVER,
+    Debriefing,
+    Ending,
+    Following,
+    Judgement,
+    Work,
+)
 from trainer.session.stations.past import PastReader
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
 from trainer.session.stations.station import Asked, Fact, News, Station
@@ -34,14 +43,6 @@ WATCHING: Final = frozenset(  # what an instructor without command may say
     }
 )
 NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer", "visitor")  # nobody asks: ready?
-
-
-@dataclass(frozen=True)
-class Following:
-    """The exercises that may follow in this process, or why another process is needed."""
-
-    problem: Callable[[str], str] = lambda _: ""  # with an exercise, "" for none
-    barred: str = "this session is one run"
 
 
 @dataclass
@@ -69,7 +70,7 @@ class Conduct:
     clock: Callable[[], float] = time.monotonic
     command: Command = field(default_factory=Command)
     ready: list[Station] = field(default_factory=list)
-    begun: bool = False  # time has run since the start
+    begun: bool = False  # time has run
     compiled_from: int = 0  # the tick, where the run began interpreted
     work: Work = field(init=False)
     past: PastReader = field(init=False)
@@ -77,6 +78,7 @@ class Conduct:
     def __post_init__(self) -> None:
         self.work = Work(self.wake)
         history = self.control.history
+        self.ground = GroundMonitor(history.boat)
         self.past = PastReader(history.boat, self.work, self.log)
         self._quitting: tuple[Station | None, float] = None, 0.0  # who has said so, and when
         self._duties: dict[str, Callable[[Asked], bool]] = {
@@ -124,15 +126,18 @@ class Conduct:
         self.begun = self.control.boat.ticks > 0
         lost, ending = self.control.failure, self.ending
         if lost and ending.watched and not ending.over:
-            ending.end("lost", f"lost at {self.control.boat.time:g} s")
-            ending.why = lost
+            ending.end("lost", f"lost at {self.control.boat.time:g} s", lost)
             self._stop()
         elif ending.look(self.control.boat):
             self._stop()
 
     def judge_hull(self) -> None:
-        """Tell that the hull has collapsed; a replay goes to its end all the same."""
+        """Tell of the ground and of the hull's collapse. A replay goes to its end anyway."""
         control = self.control
+        for call in self.ground.look() if self.ground.bottom else ():
+            self.tell_depth(call.text)
+            if call.aground and not control.history.rerun:
+                self.halt(call.text, call.how)
         if control.history.rerun or control.failure:
             return
         control.failure = collapse_of(control.boat)
@@ -148,8 +153,7 @@ class Conduct:
     def halt(self, why: str, how: str) -> None:
         """Freeze time, or end the exercise as lost, by ``how``; another word does nothing."""
         if how == "end" and not self.ending.over:
-            self.ending.end("lost", f"lost at {self.control.boat.time:g} s")
-            self.ending.why = why
+            self.ending.end("lost", f"lost at {self.control.boat.time:g} s", why)
             self._stop()
         elif how == "freeze":
             self.control.time.pacer.freeze()
@@ -157,7 +161,7 @@ class Conduct:
             self.log.tell("time", f"frozen: {why}")
             self.show()
 
-    def tell_depth(self, words: str, fact: Fact) -> None:
+    def tell_depth(self, words: str, fact: Fact | None = None) -> None:
         """Tell what the depth has come to, with its tick."""
         boat = self.control.boat
         self.log.alert("depth", f"tick {boat.ticks} ({boat.time:g} s): {words}", fact)
@@ -171,6 +175,7 @@ class Conduct:
     def settle(self) -> None:
         """Take the moment as it is after a jump in time. Nothing of the end is news."""
         self.ending.begin_again()
+        self.ground.settle()
         if self.control.boat.ticks == 0:
             self.begun = False
             self.ready.clear()

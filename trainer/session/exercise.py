@@ -17,6 +17,7 @@ from typing import Final
 
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import scale_of
+from trainer.boat.grounding import clearance
 from trainer.boat.limits import deep, over_ground, showing
 from trainer.boat.world.scope import eye_height
 from trainer.config.condition import QUANTITIES, Condition, Loss
@@ -92,6 +93,8 @@ def quantity_of(boat: Boat, name: str) -> float:
         return -math.inf if deep(boat) else showing(boat)
     if name == "eye":
         return eye_height(boat)
+    if name == "clearance":
+        return clearance(boat)
     if name == "course":
         return boat.plain[PLACES["psi"]] % math.tau
     if name == "heavy":
@@ -131,15 +134,14 @@ class Ending:
         if self.over or not self.watched:
             return False
         if why := self._lost(boat):
-            self.end("lost", f"lost at {boat.time:g} s")
-            self.why = why
+            self.end("lost", f"lost at {boat.time:g} s", why)
         elif boat.ticks >= self.last_tick:
             self.end("ended", f"time is up at {boat.time:g} s")
         return bool(self.over)
 
-    def end(self, how: str, why: str) -> None:
+    def end(self, how: str, when: str, why: str = "") -> None:
         """End the exercise."""
-        self.how, self.over = how, why
+        self.how, self.over, self.why = how, when, why
 
     def begin_again(self) -> None:
         """Begin it again, after a jump in time."""
@@ -192,6 +194,14 @@ class Work:
         for thread in self.threads:
             thread.join(max(end - time.monotonic(), 0.0))
         self.settle()
+
+
+@dataclass(frozen=True)
+class Following:
+    """The exercises that may follow in this process, or why another process is needed."""
+
+    problem: Callable[[str], str] = lambda _: ""  # with an exercise, "" for none
+    barred: str = "this session is one run"
 
 
 def problem_with(load: Callable[[str], object]) -> Callable[[str], str]:

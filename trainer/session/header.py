@@ -31,10 +31,10 @@ from trainer.config.files import (
     no_constant,
     path_of,
     quote,
-    read_text,
     reading_recorded,
     remembering,
 )
+from trainer.config.soundings import read_as_kept
 from trainer.config.vessel import load_vessel
 from trainer.core.cache import core_digest, same_core
 from trainer.io.recording.recording import Recording, RecordingError
@@ -247,7 +247,7 @@ def _other_texts(header: Mapping[str, str]) -> Iterator[str]:
         if key in ABANDONED or key.endswith(BASELINE):
             continue
         try:
-            now = read_text(path_of(key))
+            now = read_as_kept(path_of(key), was)
         except ConfigError as wrong:
             yield f"{wrong}; it was read when this was recorded"
         else:

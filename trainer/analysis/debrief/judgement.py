@@ -2,7 +2,8 @@
 
 With t of a task = 100 max(0, (p - b) / (100 - b)), p its marks and b those with nobody aboard, an
 answer's times the mean of the other tasks, and T and K the means of tasks and of what was kept:
-total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken, 25 where the exercise was lost.
+total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken, 25 where the exercise was lost,
+0 where the boat was hard aground.
 """
 
 from collections.abc import Iterator, Mapping
@@ -13,6 +14,7 @@ import numpy as np
 
 from trainer.analysis.debrief.encounters import meet
 from trainer.analysis.debrief.episodes import SCHEDULE, name_of
+from trainer.analysis.debrief.groundings import groundings
 from trainer.analysis.debrief.measures import limits_of, rows_beyond
 from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict, score
 from trainer.analysis.debrief.trajectory import Rows, Trajectory
@@ -24,7 +26,7 @@ from trainer.config.score_rules import Rule, Score
 from trainer.session.plan import Plan
 
 GATE_S: Final = 2.0  # [s] for which a limit is broken
-GATE_CAP, LOST_CAP = 50.0, 25.0  # [%] most that is left
+GATE_CAP, LOST_CAP, HARD_CAP = 50.0, 25.0, 0.0  # [%] most that is left
 TURNED_PITCH, TURNED_HEEL = np.radians(45.0), np.radians(60.0)  # [rad] beyond: turned over
 ENOUGH: Final = 50.0  # [%] of a task that is carried out
 SETTLED: Final = 80.0  # [%] of the time
@@ -122,11 +124,12 @@ def _verdict(
     """Return how it ended, the worst first."""
     tasks, keeping = means
     turned = _turned_over(trajectory)
-    lost = turned or next(_losses(trajectory, plan.lost), "")
+    hard, aground = _aground(trajectory, plan)
+    lost = turned or hard or aground or next(_losses(trajectory, plan.lost), "")
     lost = lost or _ended(trajectory, plan) or _collided(trajectory)
     gate = next(_broken(trajectory), "")
     undone = [each.name for each in scores if not _carried_out(each)]
-    cap = LOST_CAP if lost else GATE_CAP if gate else None
+    cap = HARD_CAP if hard else LOST_CAP if lost else GATE_CAP if gate else None
     outcome, reason = "won", ""
     if free := _free(trajectory):
         outcome, reason = "free", free
@@ -172,6 +175,19 @@ def _turned_over(trajectory: Trajectory) -> str:
     row = int(over[0])
     told = f"pitch {np.degrees(pitch[row]):.0f} deg, heel {np.degrees(heel[row]):.0f} deg"
     return f"turned over at {clock(float(trajectory.seconds[row]))}: {told}"
+
+
+def _aground(trajectory: Trajectory, plan: Plan) -> tuple[str, str]:
+    """Return that the boat was hard aground, and that it was where that ends the exercise."""
+    bottom = plan.world.get("bottom")
+    hard = aground = ""
+    for each in groundings(trajectory):
+        when = clock(float(trajectory.seconds[each.row]))
+        if each.hard and not hard:
+            hard = f"hard aground at {when}, {each.touch.normal:.2f} m/s into the ground"
+        if each.at_fault and not aground and bottom is not None and bottom.grounding == "end":
+            aground = f"aground at {when}"
+    return hard, aground
 
 
 def _losses(trajectory: Trajectory, losses: tuple[Loss, ...]) -> Iterator[str]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from trainer.analysis.debrief.encounters import meet
 from trainer.analysis.debrief.episodes import answer_to, first_spell
+from trainer.analysis.debrief.groundings import groundings
 from trainer.analysis.debrief.lookout import detections, shown
 from trainer.analysis.debrief.trajectory import Rows, Trajectory, showing
 from trainer.boat.depths import lowest_depth
@@ -28,6 +29,7 @@ LIMITED: Final[Mapping[str, Measured]] = {  # by the keys of an exercise's limit
     "pitch_deg": Measured("pitch", "deg", float(np.radians(1.0))),
     "heel_deg": Measured("heel", "deg", float(np.radians(1.0))),
     "speed_kn": Measured("speed", "kn", 1852.0 / 3600.0),
+    "clearance_m": Measured("clearance", "m", 1.0),
     "speed_over_ground_kn": Measured("speed_over_ground", "kn", 1852.0 / 3600.0),
 }
 
@@ -185,6 +187,14 @@ def broaches(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     """Return how often sail or deck left the sea without a main ballast blow."""
     found = [row for row in broach_rows(trajectory) if rows[row]]
     return Attained(float(len(found)), int(trajectory.ticks[found[0]]) if found else None)
+
+
+def aground(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return how often the boat was aground, where it was not laid down well."""
+    if not trajectory.has("clearance"):
+        return Attained(None, None, "there is no ground here", counts=False)
+    found = [each for each in groundings(trajectory) if each.at_fault and rows[each.row]]
+    return Attained(float(len(found)), int(trajectory.ticks[found[0].row]) if found else None)
 
 
 def beyond_limits(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:

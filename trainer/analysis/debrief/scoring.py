@@ -31,6 +31,7 @@ TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {
     "exposed-raise": measures.exposed_raise,
     "time-to-detect": measures.time_to_detect,
     "broaches": measures.broaches,
+    "aground": measures.aground,
     "beyond-limits": measures.beyond_limits,
     "beyond-test-depth": measures.beyond_test_depth,
     "time-beyond-test-depth": measures.time_beyond_test_depth,

@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.crew_orders import AXES
+from trainer.boat.grounding import NAMES
+from trainer.boat.world.bottom import ground_under, keel_of
 from trainer.boat.world.scope import Mast, periscope_of
 from trainer.config.condition import ANGLE, DERIVED, QUANTITIES, Condition
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
 from trainer.config.measures import COURSE, ORDERED
 from trainer.config.score_rules import Measured, Rule
+from trainer.core.bottom import PLACES as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.state import CASUALTIES
@@ -44,11 +47,11 @@ PLACES: Final = (
 CREW_ORDERS: Final = {
     axis: (f"crew_{axis}", f"crew_order_tick[{i}]") for i, axis in enumerate(AXES)
 }
-NEWER: Final = tuple(place for both in CREW_ORDERS.values() for place in both)
+NEWER: Final = (*(place for both in CREW_ORDERS.values() for place in both), *NAMES)
 NEEDED: Final = tuple(
     dict.fromkeys((*(q.place for q in QUANTITIES.values() if q.place != "tick"), *PLACES))
 )
-COLUMNS: Final = (*NEEDED, *NEWER)
+COLUMNS: Final = tuple(dict.fromkeys((*NEEDED, *NEWER)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,6 +166,17 @@ def eye_heights(trajectory: Trajectory) -> Numbers:
     return np.asarray(lifted - column["z"] - column["eta_wave"])
 
 
+def keel_clearance(trajectory: Trajectory) -> Numbers:
+    """Return the least height [m] of the keel over the ground."""
+    vessel, column = trajectory.boat.vessel, trajectory.columns
+    sine, upright = np.sin(column["theta"]), np.cos(column["theta"]) * np.cos(column["phi"])
+    places = [
+        column[f"bottom[0,{i}]"] + x * float(vessel.ell) * sine for i, x in enumerate(STATIONS)
+    ]
+    least: Numbers = np.min(places, axis=0) - column["z"] - keel_of(vessel) * upright
+    return np.where(column["bottom[0,0]"] != 0.0, least, np.inf)
+
+
 def over_ground(trajectory: Trajectory) -> Numbers:
     """Return the speed [m/s] over the ground, 0 while the place is held."""
     column = trajectory.columns
@@ -175,6 +189,7 @@ DERIVE: Final[Mapping[str, Callable[[Trajectory], Numbers]]] = {
     "heavy": heaviness,
     "eye": eye_heights,
     "showing": showing,
+    "clearance": keel_clearance,
     "speed_over_ground": over_ground,
 }
 
@@ -183,6 +198,8 @@ def has(boat: Boat, quantity: str) -> bool:
     """Return whether a boat has what a quantity is about."""
     if quantity == "eye":
         return boat.file.scope is not None
+    if quantity == "clearance":
+        return ground_under(boat) is not None
     return quantity in DERIVED or scale_of(boat, quantity) != 0.0
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, Protocol
 
+from trainer.boat.world.bottom import ground_of
 from trainer.boat.world.contacts import contacts_of
 from trainer.boat.world.current import make_current
 from trainer.boat.world.scope import Periscope
@@ -72,6 +73,7 @@ class World:
 
 # by the name of a part's order: from the boat and the tables of the exercise to the part
 PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {
+    "bottom": ground_of,
     "contact": contacts_of,
     "current": make_current,
     "scope": Periscope,

@@ -148,12 +148,16 @@ def speed_log(model: SessionModel) -> Gauge:
 
 
 def angles(model: SessionModel, width: int) -> Line:
-    """Return pitch and heel in words, and the ordered pitch."""
+    """Return pitch and heel in words, the echo sounder, and the ordered pitch."""
+    sounding = model.picture.number("diving", "sounding")
+    echo = "" if sounding is None else f"{sounding:.1f} m  "
     shown = line(
         (" pitch ", "dim"),
         (f"{attitude(interpolate(model, 'pitch'), 'up', 'down'):<11}", "value"),
         ("heel ", "dim"),
         (f"{attitude(interpolate(model, 'heel'), 'stbd', 'port'):<9}", "value"),
+        ("sounder " if echo else "", "dim"),
+        (echo, "value"),
     )
     return (*shown, *pitch_beside(model, width - length(shown)))
 

@@ -41,13 +41,12 @@ def way(s: Readings) -> tuple[str, ...]:
     return (number(s.track, 2), "T", "", "M", *speed, "E")
 
 
-def depth(s: Readings) -> tuple[str, ...]:
-    """Return the fields of DBT; above the surface there is no depth."""
-    metres = max(s.depth, 0.0)
+def depth(metres: float | None) -> tuple[str, ...]:
+    """Return the fields of DBT; without an echo they are empty."""
     return (
-        *(number(metres / FOOT, 1), "f"),
+        *(number(None if metres is None else metres / FOOT, 1), "f"),
         *(number(metres, 2), "M"),
-        *(number(metres / FATHOM, 1), "F"),
+        *(number(None if metres is None else metres / FATHOM, 1), "F"),
     )
 
 

@@ -18,6 +18,7 @@ from typing import Final
 import click
 
 from trainer.config.files import ConfigError, nearest
+from trainer.io.chart import Chart, chart_at
 from trainer.io.line import Direct, Inbox, Joined, Line, Outbox, writer
 from trainer.io.nmea import LONGEST
 from trainer.io.recording.absence import NoRecording
@@ -26,7 +27,6 @@ from trainer.io.serial_line import SCHEMES, LinkError, SerialLine
 from trainer.io.server import Server
 from trainer.io.udp import Datagrams
 from trainer.session.nmea.orders import NmeaLine, Readers
-from trainer.session.nmea.position import Chart, chart_at
 from trainer.session.nmea.sentences import (
     NAMES,
     USUAL,

@@ -6,7 +6,7 @@ from typing import Any, Final
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import VesselFile
-from trainer.session.nmea.position import DEFAULT
+from trainer.io.chart import DEFAULT
 from trainer.session.nmea.sentences import INSTRUMENTS, Instrument, InstrumentSet
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger

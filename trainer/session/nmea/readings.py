@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from trainer.core.ballast.tanks import BANKS, TANKS
 from trainer.core.surfaces import SURFACES
-from trainer.session.nmea.position import Chart
+from trainer.io.chart import Chart
 from trainer.session.stations.channels import set_and_drift, way_made, way_over_ground
 from trainer.session.stations.panels import (
     bank_fields,
@@ -60,6 +60,8 @@ class Readings(NamedTuple):
     depth: float  # [m] by the gauge
     heading: float  # by the compass
     speed: float  # by the log
+    sounding: Number  # [m] below the transducer, which is as deep as the origin; None: no echo
+    keel: Number  # [m] below the transducer; None: there is no ground
     pitch: float  # bow up positive
     heel: float  # to starboard positive
     turn: float  # [deg/min] to starboard positive
@@ -111,6 +113,8 @@ def sight(frame: Frame, chart: Chart, start: datetime) -> Readings:
         depth=frame.readings.depth,
         heading=compass(frame.readings.heading, 2),
         speed=frame.readings.speed / KNOT,
+        sounding=frame.readings.sounding or None,
+        keel=frame.fittings.keel if frame["bottom"] else None,
         pitch=math.degrees(frame["theta"]),
         heel=math.degrees(frame["phi"]),
         turn=math.degrees(frame["psidot"]) * 60.0,
@@ -165,6 +169,8 @@ WIDEST: Final = Readings(
     depth=9999.99,
     heading=359.99,
     speed=-99.99,
+    sounding=9999.99,
+    keel=99.9,
     pitch=-99.99,
     heel=-179.99,
     turn=-9999.9,

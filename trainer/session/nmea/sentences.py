@@ -10,15 +10,17 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Final
 
+from trainer.core.casualties import SOUNDER_RANGE
+from trainer.io.chart import Chart
 from trainer.io.nmea import LINE_END, number, sentence
 from trainer.session.nmea import fields as tell
 from trainer.session.nmea.fields import DILUTION, SATELLITES
-from trainer.session.nmea.position import Chart
 from trainer.session.nmea.readings import WIDEST, Readings, sight
 from trainer.session.nmea.transponders import Transponders
 from trainer.session.stations.view import Frame
 
 TALKER: Final = "IN"
+SOUNDER: Final = "SD"  # the talker of echo sounders
 GAUGES: Final = "as the gauges show it"
 TRUE: Final = "navigation system: true"
 
@@ -32,12 +34,17 @@ class Instrument:
     fields: tuple[str, ...]
     source: str
     read: Callable[[Readings], tuple[str, ...]]
+    ground: bool | None = None  # sent with a ground alone, or without one alone
     asked: bool = False  # sent only where it is named
 
     @property
     def name(self) -> str:
         """Return what the sentence is chosen by: its formatter, or a maker's whole address."""
-        return self.address.removeprefix(TALKER)
+        return self.address.removeprefix(TALKER).removeprefix(SOUNDER)
+
+    def fits(self, seen: Readings) -> bool:
+        """Return whether the sentence is one of a tick's set."""
+        return self.ground is None or self.ground is (seen.keel is not None)
 
     def sentence(self, seen: Readings) -> str:
         """Return the sentence of a tick."""
@@ -78,10 +85,19 @@ INSTRUMENTS: Final = (
     ),
     Instrument(
         "INDBT",
-        "the boat's depth",
+        "the boat's depth, in a sea without a ground",
         ("depth [ft]", "f", "depth [m]", "M", "depth [fathom]", "F"),
         GAUGES,
-        tell.depth,
+        lambda s: tell.depth(max(s.depth, 0.0)),
+        ground=False,
+    ),
+    Instrument(
+        "SDDBT",
+        "the ground's depth below the transducer, where there is a ground",
+        ("depth [ft]", "f", "depth [m]", "M", "depth [fathom]", "F"),
+        GAUGES,
+        lambda s: tell.depth(s.sounding),
+        ground=True,
     ),
     Instrument(
         "PASHR",
@@ -102,10 +118,19 @@ INSTRUMENTS: Final = (
     ),
     Instrument(
         "INDPT",
-        "the boat's depth",
+        "the boat's depth, in a sea without a ground",
         ("depth [m]", "0.0", "-"),
         GAUGES,
         lambda s: (number(max(s.depth, 0.0), 2), "0.0", ""),
+        ground=False,
+    ),
+    Instrument(
+        "SDDPT",
+        "the ground's depth below the transducer, where there is a ground",
+        ("depth [m]", "offset [m], negative: to the keel", "range [m]"),
+        GAUGES,
+        lambda s: (number(s.sounding, 2), number(-(s.keel or 0.0), 1), number(SOUNDER_RANGE, 1)),
+        ground=True,
     ),
     Instrument(
         "INROT",
@@ -180,6 +205,14 @@ INSTRUMENTS: Final = (
         ),
         "true",
         lambda s: tell.angles(pitch=s.pitch, roll=s.heel),
+    ),
+    Instrument(
+        "INXDR",
+        "the boat's depth, where there is a ground",
+        ("D", "depth [m]", "M", "DEPTH"),
+        GAUGES,
+        lambda s: ("D", number(s.depth, 2), "M", "DEPTH"),
+        ground=True,
     ),
     Instrument(
         "INXDR",
@@ -261,7 +294,8 @@ def choose_instruments(names: Iterable[str]) -> tuple[Instrument, ...]:
 
 def widest(instruments: Iterable[Instrument]) -> int:
     """Return the size [bytes] of the longest set that they can make, line ends included."""
-    return sum(len(each.sentence(WIDEST)) + LINE_END for each in instruments)
+    sent = [each.sentence(WIDEST) for each in instruments if each.fits(WIDEST)]
+    return sum(len(each) + LINE_END for each in sent)
 
 
 class InstrumentSet:
@@ -282,7 +316,7 @@ class InstrumentSet:
     def lines(self, frame: Frame) -> list[str]:
         """Return the set of one tick, and what ships have sent since the last."""
         seen = sight(frame, self._chart, self._start)
-        told = [instrument.sentence(seen) for instrument in self._instruments]
+        told = [each.sentence(seen) for each in self._instruments if each.fits(seen)]
         return told + self._receiver.lines(frame) if self._receiver else told
 
 

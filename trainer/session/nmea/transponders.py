@@ -14,7 +14,7 @@ from trainer.boat.world.contacts import Seen, contacts_in
 from trainer.config.contacts import TYPES
 from trainer.io import ais
 from trainer.io.ais import Field, Particulars, Report
-from trainer.session.nmea.position import Chart
+from trainer.io.chart import Chart
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 

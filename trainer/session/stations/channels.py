@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from trainer.boat.casualties import describe
+from trainer.boat.world.bottom import height_of_keel
 from trainer.core.casualties import KINDS
 from trainer.core.sea.sea import DIRECTION, HEIGHT, OMEGA
 from trainer.core.state import CASUALTIES
@@ -33,6 +34,12 @@ def unless(held: str, rate: str) -> Callable[[Frame], Value]:
 def heavy(frame: Frame) -> Value:
     """Return how much heavier [t] than its displacement the boat is."""
     return (frame["weight"] - frame.fittings.buoyancy) / frame.fittings.g / TONNE
+
+
+def clearance(frame: Frame) -> Value:
+    """Return the least height [m] of the keel over the ground, where there is one."""
+    found = height_of_keel(frame.numbers, frame.fittings.length, frame.fittings.keel)
+    return None if math.isinf(found) else found
 
 
 def water_over_sail(frame: Frame) -> Value:
@@ -137,6 +144,7 @@ INSTRUCTOR: Final = (
             Field("north_rate", "m/s", 2, unless("held_position", "xdot")),
             Field("east_rate", "m/s", 2, unless("held_position", "ydot")),
             Field("heavy", "t", 1, heavy),
+            Field("clearance", "m", 1, clearance),
         ),
     ),
     Channel(

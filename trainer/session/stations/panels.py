@@ -85,6 +85,7 @@ TONNE: Final = 1000.0  # [kg]
 HEADING: Final = Field("heading", "deg", 1, lambda frame: compass(frame.readings.heading))
 DEPTH: Final = Field("depth", "m", 1, lambda frame: frame.readings.depth)
 SPEED: Final = Field("speed", "kn", 1, lambda frame: frame.readings.speed / KNOT)
+SOUNDING: Final = Field("sounding", "m", 1, lambda frame: frame.readings.sounding or None)
 PITCH: Final = degrees("pitch", "theta")
 HEEL: Final = degrees("heel", "phi")
 
@@ -354,6 +355,7 @@ CHANNELS: Final = (
             HEEL,
             *surface_fields("stern"),
             *surface_fields("bow"),
+            SOUNDING,
         ),
     ),
     Channel(

@@ -71,7 +71,10 @@ KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "marks": ("the marks of an exercise, once they are released", EVERYBODY),
     "watch": ("a limit passed, the surface broken, an order carried out the wrong way", ()),
     "pilot": ("what the autopilot gives up and has again; what an X-tail does not give", EVERYBODY),
-    "depth": ("test depth near, passed and beyond; the collapse of the hull", EVERYBODY),
+    "depth": (
+        "test depth near, passed and beyond; the hull's collapse; the ground",
+        EVERYBODY,
+    ),
     "refused": ("an order outside a role, a wrong token, a line that is no order", ()),
     "trouble": ("late ticks, a port or the recording in trouble", ()),
 }

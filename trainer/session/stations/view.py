@@ -10,8 +10,9 @@ import numpy as np
 
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import Readings
+from trainer.boat.world.bottom import keel_of
 from trainer.core.casualties import instruments
-from trainer.core.state import new_scratch, new_state
+from trainer.core.state import SOUNDINGS, new_scratch, new_state
 from trainer.session.time.ledger import Summary
 
 
@@ -44,6 +45,8 @@ class Fittings(NamedTuple):
     buoyancy: float  # [N]
     g: float  # [m/s2]
     sail: tuple[float, float]  # [m] its top, body axes x and z
+    length: float  # [m]
+    keel: float  # [m] below the origin
 
     @classmethod
     def of(cls, boat: Boat) -> "Fittings":
@@ -57,6 +60,8 @@ class Fittings(NamedTuple):
             float(c.buoyancy),
             float(c.g),
             (float(c.x_sail), float(c.z_sail)),
+            float(c.ell),
+            keel_of(c),
         )
 
 
@@ -105,8 +110,10 @@ class Frame:
 
     @property
     def truth(self) -> Readings:
-        """Return depth [m], heading [rad] and speed [m/s] as they are."""
-        return Readings(self["z"], self["psi"], self["u"])
+        """Return depth [m], heading [rad], speed [m/s] and sounding [m] as they are."""
+        under = self.at("bottom", SOUNDINGS // 2)
+        sounding = under - self["z"] if self["bottom"] else 0.0
+        return Readings(self["z"], self["psi"], self["u"], sounding)
 
 
 BYTES: Final = new_state().nbytes

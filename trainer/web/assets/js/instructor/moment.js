@@ -70,6 +70,7 @@ export const PLACES = {
   speed: ["motion.speed", "orders.speed", "engine.ordered_speed"],
   pitch: ["motion.pitch", "orders.pitch"],
   heel: ["motion.heel"],
+  clearance: ["motion.clearance"],
   sinks: ["motion.depth_rate"],
   rudder: ["steering.rudder", "steering.ordered_rudder"],
   stern: ["diving.stern", "diving.ordered_stern"],

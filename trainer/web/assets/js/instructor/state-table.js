@@ -40,6 +40,7 @@ const ROWS = [
   },
   { name: "Pitch", of: "pitch", says: (value) => sided(value, "down", "up"), sides: ["down", "up"] },
   { name: "Heel", of: "heel", says: (value) => sided(value, "port", "stbd") },
+  { name: "Under the keel, m", of: "clearance", says: (value) => value.toFixed(1) },
   { name: "Sinks, m/s", of: "sinks", says: (value) => signed(value, 2) },
   { name: "Rudder", of: "rudder", says: rudder, band: 3, sides: ["L", "R"] },
   { name: "Stern planes", of: "stern", says: planes, band: 3, sides: ["dive", "rise"] },

@@ -1,0 +1,336 @@
+"""The ground in an exercise: its table, grids from files, and what is refused."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from trainer.boat.boat import Boat
+from trainer.config.bottom import LAND, Bottom, is_charted, land_near, read_bottom
+from trainer.config.exercise import parse_exercise
+from trainer.config.files import ConfigError, Place, reading_recorded, remembering
+from trainer.config.soundings import (
+    CELLS,
+    Grid,
+    between,
+    on_the_plane,
+    read_as_kept,
+    read_grid,
+)
+from trainer.io.chart import Chart
+from trainer.session.options import RunOptions
+from trainer.session.plan import plan_run
+
+HEAD = "ncols 2\nnrows 2\nxllcenter 0\nyllcenter 0\ncellsize 100\n"
+SAMPLES = "10 20\n30 40\n"
+
+
+@pytest.fixture
+def asc(tmp_path: Path) -> Path:
+    """Return an ESRI ASCII grid of two by two."""
+    path = tmp_path / "canyon.asc"
+    path.write_text(HEAD + SAMPLES)
+    return path
+
+
+def ground(path: Path, **table: Any) -> Bottom:
+    """Return the ground of a table [bottom] of an exercise beside ``path``."""
+    return read_bottom(table, Place("drill.toml", "bottom"), path.parent / "drill.toml")
+
+
+def refused(path: Path, **table: Any) -> str:
+    """Return why a table [bottom] is refused."""
+    with pytest.raises(ConfigError) as error:
+        ground(path, **table)
+    assert all("\n" not in each for each in error.value.problems)
+    return str(error.value)
+
+
+# ESRI ASCII
+
+
+def test_the_first_row_is_the_north_and_the_centre_is_the_sample(asc: Path) -> None:
+    grid = read_grid(asc)
+    assert grid.values.tolist() == [[30.0, 40.0], [10.0, 20.0]]
+    assert (grid.south, grid.west, grid.cell) == (0.0, 0.0, (100.0, 100.0))
+    assert between(grid.values, np.array(0.5), np.array(0.5)) == 25.0
+
+
+def test_a_corner_is_half_a_cell_from_the_sample_whatever_the_case_and_line_ends(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "a.asc"
+    text = "NCOLS 2\r\nnRows 2\r\nXLLCORNER -50\r\nYllCorner 150\r\nCellSize 100\r\n"
+    path.write_bytes(f"{text}NODATA_value -1\r\n10 20 30\r\n-1".encode())
+    grid = read_grid(path)
+    assert (grid.west, grid.south) == (0.0, 200.0)
+    assert np.isnan(grid.values[0, 1])
+    assert grid.values[1].tolist() == [10.0, 20.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (HEAD.replace("ncols", "columns") + SAMPLES, "columns: no such keyword"),
+        (HEAD + "nrows 2\n" + SAMPLES, "nrows is given twice"),
+        (HEAD.replace("cellsize 100\n", "") + SAMPLES, "lacks CELLSIZE"),
+        (HEAD.replace("cellsize 100", "cellsize 0") + SAMPLES, "CELLSIZE = 0: must be above 0"),
+        (HEAD.replace("nrows 2", "nrows 2.5") + SAMPLES, "NROWS = 2.5: must be a whole number"),
+        (HEAD.replace("nrows 2", "nrows x") + SAMPLES, "NROWS = x: must be a finite number"),
+        (HEAD.replace("xllcenter", "xllcorner") + SAMPLES, "both of one kind"),
+        (HEAD + "10 20 30", "has 3 samples; NROWS times NCOLS is 4"),
+        (HEAD + "10 20 30 40 50", "has 5 samples"),
+        (HEAD + "10 20 x 40", 'sample 3 = "x": is no number'),
+        (HEAD + "nan 20 30 40", "sample 1 = nan: must be finite"),
+        (HEAD + "10 inf 30 40", "sample 2 = inf: must be finite"),
+        (
+            HEAD.replace("ncols 2", "ncols 4001").replace("nrows 2", "nrows 1000"),
+            f"{CELLS} at most",
+        ),
+        (HEAD.replace("nrows 2", "nrows 1") + "10 20", "at least 2 x 2"),
+    ],
+)
+def test_a_bad_grid_is_named_with_what_is_wrong(asc: Path, text: str, told: str) -> None:
+    asc.write_text(text)
+    said = refused(asc, grid=asc.name, values="depth")
+    assert told in said
+    assert said.startswith('drill.toml: [bottom] grid = "canyon.asc": ')
+    assert str(asc) in said
+
+
+def test_a_grid_that_is_not_there_or_no_text_is_refused(asc: Path) -> None:
+    assert "No such file" in refused(asc, grid="none.asc", values="depth")
+    asc.write_bytes(b"ncols \xff")
+    assert "is not UTF-8" in refused(asc, grid=asc.name, values="depth")
+
+
+# The table
+
+
+@pytest.mark.parametrize(
+    ("table", "told"),
+    [
+        ({}, "give depth_m, or grid with values"),
+        ({"depth_m": 100, "grid": "canyon.asc", "values": "depth"}, "give depth_m, or grid"),
+        ({"grid": "canyon.asc"}, "lacks values"),
+        ({"depth_m": 100, "values": "depth"}, 'values = "depth": does not go with depth_m'),
+        ({"depth_m": 100, "slope_percent": 3}, "give slope_percent and deepens_deg, or neither"),
+        (
+            {"grid": "canyon.asc", "values": "depth", "slope_percent": 1, "deepens_deg": 0},
+            "slope_percent = 1.0: does not go with a grid",
+        ),
+        ({"depth_m": 0}, "depth_m = 0: must be above 0"),
+        ({"depth_m": 100, "kind": "clay"}, 'kind = "clay"'),
+        ({"depth_m": 100, "grounding": "stop"}, 'grounding = "stop"'),
+        ({"depth_m": 100, "breakout_t": 5}, 'only kind = "mud" holds a boat'),
+        ({"depth_m": 100, "tide_m": 50}, "tide_m = 50: must be -20 to 20 m"),
+        ({"deph_m": 100}, "nearest is depth_m"),
+    ],
+)
+def test_a_bad_table_is_named_with_key_value_and_limit(
+    asc: Path, table: dict[str, Any], told: str
+) -> None:
+    assert told in refused(asc, **table)
+
+
+def test_heights_are_depths_with_the_sign_turned_and_the_tide_is_added(asc: Path) -> None:
+    depth = ground(asc, grid=asc.name, values="depth", tide_m=2).depth.values
+    height = ground(asc, grid=asc.name, values="height", tide_m=2).depth.values
+    assert depth[0].tolist() == [32.0, 42.0]
+    assert height[0].tolist() == [-28.0, -38.0]
+
+
+def test_a_plane_deepens_the_way_it_says(asc: Path) -> None:
+    plane = ground(asc, depth_m=100, slope_percent=10, deepens_deg=90, tide_m=1).depth
+    assert plane.values[0].tolist() == pytest.approx([101.0, 101.1])
+    assert plane.values[1, 0] == pytest.approx(101.0)
+
+
+def test_a_sample_without_a_value_is_land_and_how_near_it_is_can_be_told(asc: Path) -> None:
+    asc.write_text(HEAD + "10 20 -9999 40")
+    found = ground(asc, grid=asc.name, values="depth")
+    assert found.depth.values[0].tolist() == [LAND, 40.0]
+    assert land_near(found, 0.0, 30.0) == 30.0
+    assert land_near(found, 5000.0, 0.0) == np.inf
+    assert is_charted(found, 100.0, 100.0)
+    assert not is_charted(found, 101.0, 0.0)
+
+
+# What is kept in a recording
+
+
+def test_a_recorded_grid_needs_no_file_and_is_the_same_to_the_bit(tmp_path: Path) -> None:
+    path = tmp_path / "a.asc"
+    values = np.random.default_rng(3).normal(100.0, 30.0, (40, 30))
+    rows = "\n".join(" ".join(map(repr, row.tolist())) for row in values)
+    path.write_text(f"ncols 30\nnrows 40\nxllcenter 0\nyllcenter 0\ncellsize 7\n{rows}\n")
+    with remembering() as texts:
+        first = read_grid(path)
+    path.unlink()
+    with reading_recorded(texts):
+        again = read_grid(path)
+    assert again.values.tobytes() == first.values.tobytes()
+    assert again.values.tobytes() == values[::-1].tobytes()
+    assert (again.west, again.south, again.cell) == (first.west, first.south, first.cell)
+
+
+def test_today_s_file_is_compared_with_the_one_recorded(asc: Path) -> None:
+    with remembering() as texts:
+        read_grid(asc)
+    (kept,) = texts.values()
+    assert read_as_kept(asc, kept) == kept
+    asc.write_text(HEAD + "10 20 30 41")
+    assert read_as_kept(asc, kept) != kept
+
+
+# Degrees
+
+
+def test_a_grid_in_degrees_is_sampled_where_the_chart_has_it() -> None:
+    chart = Chart(54.0, 10.0)
+    latitudes, longitudes = 53.9 + 0.01 * np.arange(21), 9.8 + 0.01 * np.arange(41)
+    values = latitudes[:, None] + 10.0 * longitudes[None, :]  # linear: bilinear is exact
+    grid = Grid(values, 9.8, 53.9, (0.01, 0.01), degrees=True)
+    plane = on_the_plane(grid, chart.position)
+    for i, j in ((3, 5), (10, 10), (15, 20)):
+        north = plane.south + i * plane.cell[0]
+        latitude, longitude = chart.position(north, plane.west + j * plane.cell[1])
+        assert plane.values[i, j] == pytest.approx(latitude + 10.0 * longitude, abs=1e-5)
+
+
+def test_an_esri_grid_with_origin_deg_is_in_degrees(tmp_path: Path) -> None:
+    path = tmp_path / "a.asc"
+    path.write_text(
+        "ncols 3\nnrows 3\nxllcenter 9.99\nyllcenter 53.99\ncellsize 0.01\n" + "80 " * 9
+    )
+    found = ground(path, grid=path.name, values="depth", origin_deg=[54, 10])
+    assert found.depth.cell[0] == pytest.approx(1111.3, abs=1.0)
+    assert is_charted(found, 0.0, 0.0)
+    assert found.depth.values == pytest.approx(80.0)
+
+
+# GeoTIFF
+
+
+def tiff(path: Path, values: Any, **more: Any) -> None:
+    """Write a GeoTIFF: metres or degrees by ``keys``, its first pixel's corner at 0, 200."""
+    tifffile = pytest.importorskip("tifffile")
+    keys = more.pop("keys", (1024, 0, 1, 1, 1025, 0, 1, 1))
+    scale, corner = more.pop("scale", 100.0), more.pop("corner", (0.0, 200.0))
+    tags = [
+        (33550, "d", 3, (scale, scale, 0.0), True),
+        (33922, "d", 6, (0.0, 0.0, 0.0, *corner, 0.0), True),
+        (34735, "H", 4 + len(keys), (1, 1, 0, len(keys) // 4, *keys), True),
+    ]
+    tags += [(42113, "s", 0, more.pop("absent"), True)] if "absent" in more else []
+    tifffile.imwrite(path, np.asarray(values, np.float32), extratags=tags, **more)
+
+
+@pytest.mark.parametrize("compression", [None, "zlib"])
+def test_a_geotiff_is_the_same_grid_as_an_esri_grid(
+    tmp_path: Path, compression: str | None
+) -> None:
+    path = tmp_path / "a.tif"
+    tiff(path, [[10, 20], [30, -5]], absent="-5", compression=compression)
+    grid = read_grid(path)
+    assert (grid.west, grid.south, grid.cell, grid.degrees) == (50.0, 50.0, (100.0, 100.0), False)
+    assert grid.values[1].tolist() == [10.0, 20.0]
+    assert np.isnan(grid.values[0, 1])
+
+
+def test_a_geotiff_of_points_has_its_tie_at_the_sample(tmp_path: Path) -> None:
+    path = tmp_path / "a.tif"
+    tiff(path, [[1, 2], [3, 4]], keys=(1024, 0, 1, 1, 1025, 0, 1, 2))
+    assert (read_grid(path).west, read_grid(path).south) == (0.0, 100.0)
+
+
+def test_a_geotiff_in_degrees_needs_the_origin(tmp_path: Path) -> None:
+    path = tmp_path / "a.tif"
+    keys = (1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326)
+    tiff(path, np.full((4, 4), 70.0), keys=keys, scale=0.01, corner=(9.98, 54.02))
+    assert "give origin_deg" in refused(path, grid=path.name, values="depth")
+    found = ground(path, grid=path.name, values="depth", origin_deg=[54, 10])
+    assert is_charted(found, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ((1024, 0, 1, 1, 3072, 0, 1, 32633), "EPSG:32633"),
+        ((1024, 0, 1, 2, 2048, 0, 1, 4258), "EPSG:4258"),
+        ((1024, 0, 1, 1, 3072, 0, 1, 32767, 3076, 0, 1, 9002), "EPSG:9002"),
+    ],
+)
+def test_another_reference_system_is_refused_by_name(
+    tmp_path: Path, keys: tuple[int, ...], told: str
+) -> None:
+    path = tmp_path / "a.tif"
+    tiff(path, [[1, 2], [3, 4]], keys=keys)
+    said = refused(path, grid=path.name, values="depth")
+    assert told in said
+    assert "gdalwarp -t_srs EPSG:4326" in said
+
+
+def test_lzw_is_refused_with_how_to_convert(tmp_path: Path) -> None:
+    path = tmp_path / "a.tif"
+    tiff(path, [[1, 2], [3, 4]])
+    data = path.read_bytes()
+    entry = re.search(rb"\x03\x01\x03\x00\x01\x00\x00\x00\x01\x00", data)  # compression: none
+    assert entry
+    path.write_bytes(data[: entry.end() - 2] + b"\x05\x00" + data[entry.end() :])
+    said = refused(path, grid=path.name, values="depth")
+    assert "LZW" in said
+    assert "COMPRESS=DEFLATE" in said
+
+
+def test_a_damaged_geotiff_is_refused(tmp_path: Path) -> None:
+    pytest.importorskip("tifffile")
+    path = tmp_path / "a.tif"
+    path.write_bytes(b"II*\0" + b"\xff" * 40)
+    assert "is no GeoTIFF that can be read" in refused(path, grid=path.name, values="depth")
+
+
+# A start
+
+
+def exercise(path: Path, bottom: str, initial: str = "[initial]\ndepth_m = 5") -> Path:
+    """Write an exercise over a ground; return its path."""
+    drill = path.parent / "drill.toml"
+    text = 'schema = "exercise/1"\nname = "Ground"\nbriefing = "Go."\n'
+    drill.write_text(f"{text}{initial}\n[bottom]\n{bottom}\n")
+    return drill
+
+
+@pytest.mark.parametrize(
+    ("bottom", "heading", "told"),
+    [
+        ("depth_m = 68", "[initial]\ndepth_m = 60", "under the keel: 5 m at least"),
+        ("depth_m = 90", "step_s = 2\n[initial]\ndepth_m = 60", "with a step of 2 s: 1 s at most"),
+        ('grid = "far.asc"\nvalues = "depth"', "[initial]\ndepth_m = 5", "the boat starts off it"),
+        (
+            'grid = "land.asc"\nvalues = "depth"',
+            "[initial]\ndepth_m = 5",
+            "has no value 200 m from the start: 2000 m at least",
+        ),
+    ],
+)
+def test_a_start_over_bad_ground_is_refused(
+    asc: Path, bottom: str, heading: str, told: str
+) -> None:
+    far = HEAD.replace("yllcenter 0", "yllcenter 500") + "90 90 90 90"
+    (asc.parent / "far.asc").write_text(far)
+    land = "ncols 3\nnrows 3\nxllcenter -200\nyllcenter -200\ncellsize 200\n"
+    (asc.parent / "land.asc").write_text(land + "90 -9999 90 90 90 90 90 90 90")
+    drill = exercise(asc, bottom, heading)
+    plan = plan_run(RunOptions(exercise=str(drill)))
+    with pytest.raises(ConfigError) as error:
+        plan.start(Boat(plan.file, plan.method))
+    assert told in str(error.value)
+
+
+def test_an_exercise_has_its_grid_from_beside_it(asc: Path) -> None:
+    drill = exercise(asc, 'grid = "canyon.asc"\nvalues = "depth"')
+    bottom = parse_exercise(drill.read_text(), drill).world["bottom"]
+    assert bottom.depth.values[1].tolist() == [10.0, 20.0]

@@ -1,0 +1,185 @@
+"""The ground seen from aboard: the clearance, how it was touched, and the calls."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
+
+from trainer.boat.boat import PLACES, Boat
+from trainer.boat.world.bottom import ground_under, height_of_keel, keel_of
+from trainer.config.bottom import Bottom, is_charted
+from trainer.core.bottom import PLACES as STATIONS
+from trainer.core.state import SOUNDINGS
+from trainer.units import KNOT
+
+BOTTOM: Final = tuple(f"bottom[{row},{i}]" for row in range(3) for i in range(SOUNDINGS))
+NAMES: Final = (
+    *BOTTOM,
+    "bottom_load",
+    "aground",
+    "q",
+    "xdot",
+    "ydot",
+)  # beside those of conditions
+AGROUND: Final = 2.0  # [-] ticks in a row in which the ground carries the boat
+AFLOAT: Final = 30.0  # [s] off the ground, after which touching it is news again
+HARD: Final = 0.5  # [m/s] into the ground, from which grounding is hard
+HARD_WAY: Final = 2.0 * KNOT  # [m/s] over rock
+GENTLE_WAY, GENTLE_SINK, GENTLE_PITCH = 0.5, 0.15, math.radians(2.0)  # of a boat laid down on it
+LAID: Final = 300.0  # [s] within which it then lies there
+LIGHTEST, HEAVIEST = 5.0, 30.0  # [t] that the ground then carries
+STOPPED: Final = 0.1  # [m/s] command speed of a screw that stands
+
+Read = Callable[[str], float]  # a number of one moment's state [SI], by its name in the layout
+
+
+class Touch(NamedTuple):
+    """How a boat came to the ground."""
+
+    normal: float  # [m/s] into it
+    way: float  # [m/s] over it
+    sink: float  # [m/s] down
+    pitch: float  # [rad]
+
+    def is_hard(self, kind: str) -> bool:
+        """Return whether the hull suffered on ground of that kind."""
+        return self.normal > HARD or (kind == "rock" and self.way > HARD_WAY)
+
+    @property
+    def faults(self) -> list[str]:
+        """Return what was wrong with it, for a boat that was to be laid down."""
+        told = {
+            f"way {self.way:.2f} m/s, {GENTLE_WAY:g} at most": self.way >= GENTLE_WAY,
+            f"sinking {self.sink:.2f} m/s, {GENTLE_SINK:g} at most": self.sink >= GENTLE_SINK,
+            f"pitch {math.degrees(self.pitch):.1f} deg, 2 at most": abs(self.pitch) >= GENTLE_PITCH,
+        }
+        return [words for words, is_fault in told.items() if is_fault]
+
+
+def clearance(boat: Boat) -> float:
+    """Return the least height [m] of the keel over the ground; infinite without a ground."""
+    return height_of_keel(boat.plain, float(boat.vessel.ell), keel_of(boat.vessel))
+
+
+def touch_of(read: Read, length: float) -> Touch:
+    """Return how a boat of that ``length`` [m] comes to the ground, a moment before."""
+    pitch = read("theta")
+    north, east = read("xdot"), read("ydot")
+    closing = 0.0
+    for i, x in enumerate(STATIONS):
+        down = read("zdot") - x * length * math.cos(pitch) * read("q")
+        slopes = read(f"bottom[1,{i}]"), read(f"bottom[2,{i}]")
+        into = down - slopes[0] * north - slopes[1] * east
+        closing = max(closing, into / math.sqrt(1.0 + slopes[0] ** 2 + slopes[1] ** 2))
+    return Touch(closing, math.hypot(north, east), read("zdot"), pitch)
+
+
+def lies_well(load_t: float, u_c: float) -> bool:
+    """Return whether a boat lies on the ground well, by load and command speed [m/s]."""
+    return LIGHTEST <= load_t <= HEAVIEST and abs(u_c) < STOPPED
+
+
+_PLACES: Final = {
+    name: PLACES[name.partition("[")[0]] + (BOTTOM.index(name) if name in BOTTOM else 0)
+    for name in (*NAMES, "theta", "zdot")
+}
+
+
+class Call(NamedTuple):
+    """One call about the ground."""
+
+    text: str
+    aground: bool = False  # it was not meant, or not done well
+    how: str = ""  # what the exercise then does: a word of GROUNDINGS
+
+
+@dataclass
+class GroundMonitor:
+    """The watch for the ground: off the chart, aground, laid down on it."""
+
+    boat: Boat
+    touch: Touch | None = None  # of the last moment off the ground
+    off_since: float | None = None  # [s] the ground, having been told aground
+    down_since: float | None = None  # [s] told to be aground
+    laid: bool = False  # told whether it lies well
+    beyond: bool = False  # the chart
+    bottom: Bottom | None = field(init=False)  # the ground there is
+
+    def __post_init__(self) -> None:
+        self.bottom = ground_under(self.boat)
+        self.settle()
+
+    def settle(self) -> None:
+        """Take the boat as it is, after a jump in time. Nothing of it is news."""
+        bottom, plain = self.bottom, self.boat.plain
+        down = plain[PLACES["aground"]] >= AGROUND
+        self.down_since = self.boat.time if down else None
+        self.laid, self.touch, self.off_since = down, None, None
+        self.beyond = bottom is not None and not self._charted(bottom)
+
+    def look(self) -> Sequence[Call]:
+        """Return what there is to call out after a tick."""
+        bottom = self.bottom
+        if bottom is None:
+            return ()
+        calls = [*self._edge(bottom)]
+        ticks = self.boat.plain[PLACES["aground"]]
+        if ticks == 0.0:
+            self._afloat()
+        elif ticks >= AGROUND:
+            calls += self._lying() if self.down_since is not None else self._aground(bottom)
+        return [call._replace(how=bottom.grounding) for call in calls]
+
+    def _charted(self, bottom: Bottom) -> bool:
+        plain = self.boat.plain
+        return is_charted(bottom, plain[PLACES["x"]], plain[PLACES["y"]])
+
+    def _edge(self, bottom: Bottom) -> list[Call]:
+        was, self.beyond = self.beyond, not self._charted(bottom)
+        if self.beyond and not was:
+            return [Call("BEYOND THE CHART: the ground is taken as at its edge")]
+        return []
+
+    def _afloat(self) -> None:
+        """Remember how the boat moves, and after a while off the ground let it be news again."""
+        boat = self.boat
+        plain = boat.plain
+        self.touch = touch_of(lambda name: plain[_PLACES[name]], float(boat.vessel.ell))
+        if self.down_since is None:
+            return
+        self.off_since = boat.time if self.off_since is None else self.off_since
+        if boat.time - self.off_since > AFLOAT:
+            self.down_since = self.off_since = None
+
+    def _aground(self, bottom: Bottom) -> list[Call]:
+        boat, touch = self.boat, self.touch or Touch(0.0, 0.0, 0.0, 0.0)
+        self.down_since, self.laid = boat.time, not bottom.bottoming
+        load = self._load()
+        how = f"{touch.normal:.2f} m/s into {bottom.kind}, way {touch.way / KNOT:.1f} kn, "
+        how += f"load {load:.0f} t"
+        if touch.is_hard(bottom.kind):
+            return [Call(f"HARD AGROUND: {how}", aground=True)]
+        if not bottom.bottoming:
+            return [Call(f"AGROUND: {how}", aground=True)]
+        faults = ", ".join(touch.faults)
+        self.laid = bool(faults)
+        return [Call(f"on the ground: {how}: {faults or 'well done'}", aground=bool(faults))]
+
+    def _lying(self) -> list[Call]:
+        """Return whether a boat that was laid down lies as it should, once that can be said."""
+        self.off_since = None
+        if self.laid or self.down_since is None:
+            return []
+        load, u_c = self._load(), self.boat.plain[PLACES["u_c"]]
+        told = f"{load:.0f} t on the ground, screw {'stopped' if abs(u_c) < STOPPED else 'turns'}"
+        if lies_well(load, u_c):
+            self.laid = True
+            return [Call(f"lies on the ground: {told}")]
+        if self.boat.time - self.down_since > LAID:
+            self.laid = True
+            return [Call(f"does not lie on the ground within 5 min: {told}", aground=True)]
+        return []
+
+    def _load(self) -> float:
+        """Return what the ground carries [t]."""
+        return self.boat.plain[PLACES["bottom_load"]] / float(self.boat.vessel.g) / 1000.0

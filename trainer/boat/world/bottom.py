@@ -1,0 +1,111 @@
+"""The ground of an exercise under the boat: a chart that each tick sounds."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.bottom import NEAR, Bottom, is_charted, land_near
+from trainer.config.files import ConfigError
+from trainer.config.world import WorldTables
+from trainer.core.bottom import PLACES as STATIONS
+from trainer.core.kernel import Numbers
+from trainer.core.soundings import FIRST, sound
+from trainer.core.state import STATE
+from trainer.io.orders.grammar import Order, Refused, Reply
+
+LONGEST: Final = 1.0  # [s] step, with which the ground's spring is held
+ROOM: Final = 5.0  # [m] under the keel, with which a boat may start
+PLACES: Final = {name: int(place[1]) // 8 for name, place in (STATE.fields or {}).items()}
+BOTTOM, THETA, PHI, Z = (PLACES[name] for name in ("bottom", "theta", "phi", "z"))
+
+
+def keel_of(vessel: Any) -> float:
+    """Return how far [m] the keel is below the origin."""
+    return float(0.5 * vessel.hull_diameter + vessel.hull_axis)
+
+
+def height_of_keel(numbers: Sequence[float], length: float, keel: float) -> float:
+    """Return the least height [m] of a keel over the ground; infinite without a ground.
+
+    ``numbers`` are a state's; ``length`` [m] is the boat's, ``keel`` [m] how far it is below.
+    """
+    if numbers[BOTTOM] == 0.0:
+        return math.inf
+    lean = length * math.sin(numbers[THETA])
+    least = min(numbers[BOTTOM + i] + x * lean for i, x in enumerate(STATIONS))
+    return least - numbers[Z] - keel * math.cos(numbers[THETA]) * math.cos(numbers[PHI])
+
+
+def chart_of(bottom: Bottom) -> Numbers:
+    """Return the ground as ``core.soundings`` reads it."""
+    grid = bottom.depth
+    ends = float(bottom.known is not None)
+    head = (grid.south, grid.west, *(1.0 / each for each in grid.cell), ends, *grid.values.shape)
+    return np.concatenate((np.array(head, np.float64), grid.values.ravel()))
+
+
+def is_level(chart: Numbers) -> bool:
+    """Return whether a chart is level, so that it need be sounded but once."""
+    return bool(np.all(chart[FIRST:] == chart[FIRST]))
+
+
+def refuse_start(boat: Any, bottom: Bottom) -> None:
+    """Raise ConfigError with all that a run cannot begin with over this ground."""
+    north, east = float(boat.state.x), float(boat.state.y)
+    room = height_of_keel(boat.plain, float(boat.vessel.ell), keel_of(boat.vessel))
+    land = land_near(bottom, north, east)
+    step = boat.method.step
+    problems = {
+        f"[bottom] with a step of {step:g} s: {LONGEST:g} s at most": step > LONGEST,
+        "[bottom] grid: the boat starts off it": not is_charted(bottom, north, east),
+        f"[bottom] grid: has no value {land:.0f} m from the start: {NEAR:g} m at least": land
+        < math.inf,
+        f"[bottom]: the boat starts with {room:.1f} m under the keel: {ROOM:g} m at least": room
+        < ROOM,
+    }
+    if any(problems.values()):
+        raise ConfigError(*(told for told, is_so in problems.items() if is_so))
+
+
+class Ground:
+    """The ground of an exercise. Its numbers are written by the tick itself, in machine code."""
+
+    acts = False
+
+    def __init__(self, boat: Any, bottom: Bottom | None) -> None:
+        """Put the ground under a boat, None for none."""
+        self.bottom = bottom
+        boat.records.scheme["friction"] = bottom.friction if bottom else 0.0
+        boat.records.scheme["breakout"] = bottom.breakout * boat.vessel.g if bottom else 0.0
+        if bottom is None:
+            boat.sound_by(None)
+            return
+        chart = chart_of(bottom)
+        sound(boat.records.vessel, chart, boat.records.state)
+        boat.sound_by(None if is_level(chart) else chart)
+
+    def obey(self, order: Order, _tick: int) -> Reply:
+        """Refuse an order: nobody orders the ground."""
+        return Refused(f"nobody orders the {order.name}")
+
+    def forget(self) -> None:
+        """Be as the exercise has it, as it always is."""
+
+    def write(self, _state: Any) -> None:
+        """Write nothing: the tick does."""
+
+
+def ground_of(boat: Any, tables: WorldTables) -> Ground:
+    """Return the ground of an exercise under a boat; ConfigError where it cannot start there."""
+    part = Ground(boat, tables.get("bottom"))
+    if part.bottom is not None:
+        refuse_start(boat, part.bottom)
+    return part
+
+
+def ground_under(boat: Any) -> Bottom | None:
+    """Return the ground of the exercise that a boat is in, None without one."""
+    part = boat.world.parts.get("bottom")
+    return part.bottom if isinstance(part, Ground) else None

@@ -1,0 +1,173 @@
+"""The ground as an exercise's table [bottom] has it: flat, a slope or a grid."""
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError, Place
+from trainer.config.schema import (
+    Choice,
+    Flag,
+    Quantities,
+    Quantity,
+    Text,
+    above,
+    optional,
+    read_record,
+    usual,
+    within,
+)
+from trainer.config.soundings import Grid, Position, on_the_plane, read_grid
+from trainer.io.chart import Chart
+
+FRICTION: Final = {"mud": 0.3, "sand": 0.4, "rock": 0.6}  # [-] project's own estimates
+GROUNDINGS: Final = ("free", "freeze", "end")
+LAND: Final = -10.0  # [m] depth where a grid has no value: a coast that nothing sails over
+NEAR: Final = 2000.0  # [m] of the start, within which a grid must have values
+
+
+@dataclass(frozen=True, kw_only=True)
+class BottomTable:
+    """The table [bottom] as it stands in the file."""
+
+    depth_m: float | None = optional(
+        Quantity("m", above(0, 12000), "of the water over a plane, at the exercise's origin")
+    )
+    slope_percent: float | None = optional(Quantity("%", within(0, 100), "of that plane; else 0"))
+    deepens_deg: float | None = optional(
+        Quantity("deg", within(0, 360), "direction in which it falls away, clockwise from north")
+    )
+    grid: str | None = optional(
+        Text(200, "path of an ESRI ASCII grid or GeoTIFF, instead of depth_m")
+    )
+    values: str | None = optional(
+        Choice(("depth", "height"), "what the grid's numbers are, downward or upward positive")
+    )
+    origin_deg: tuple[float, ...] | None = optional(
+        Quantities(
+            Quantity("deg", within(-180, 180), "latitude and longitude of the origin, grid in deg"),
+            2,
+            2,
+        )
+    )
+    tide_m: float = usual(0.0, Quantity("m", within(-20, 20), "water over the depths charted"))
+    kind: str = usual("sand", Choice(tuple(FRICTION), "friction 0.3, 0.4 or 0.6; else sand"))
+    grounding: str = usual(
+        "free", Choice(GROUNDINGS, "what it does: nothing more, freeze time, end the exercise")
+    )
+    bottoming: bool | None = optional(Flag("the boat is to be laid down on it; else false"))
+    breakout_t: float = usual(
+        0.0, Quantity("t", within(0, 1000), "lift that mud holds a boat with; else 0")
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bottom:
+    """The ground: a grid of depths [m], two by two for a plane."""
+
+    depth: Grid  # [m] positive down, on the exercise's plane; land where the file has no value
+    known: Grid | None  # the same with NaN there; None: a plane, which has no end
+    friction: float  # [-]
+    breakout: float  # [N/g: kg]
+    kind: str
+    grounding: str
+    bottoming: bool
+
+
+def read_bottom(value: object, place: Place, path: Path) -> Bottom:
+    """Return the ground of a table of the exercise in ``path``; ConfigError with all faults."""
+    table = read_record(BottomTable, value, place, ("note",))
+    problems = _misfits(table, place)
+    if problems:
+        raise ConfigError(*problems)
+    known = None
+    if table.grid is None:
+        depth = _plane(table)
+    else:
+        known = _charted(table, place, path)
+        depth = replace(known, values=np.where(np.isnan(known.values), LAND, known.values))
+    return Bottom(
+        depth=depth,
+        known=known,
+        friction=FRICTION[table.kind],
+        breakout=1000.0 * table.breakout_t,
+        kind=table.kind,
+        grounding=table.grounding,
+        bottoming=bool(table.bottoming),
+    )
+
+
+def _misfits(table: BottomTable, place: Place) -> list[str]:
+    """Return which keys do not go with each other."""
+    found = []
+    if (table.depth_m is None) == (table.grid is None):
+        found.append(place.problem("give depth_m, or grid with values"))
+    if (table.slope_percent is None) != (table.deepens_deg is None):
+        found.append(place.problem("give slope_percent and deepens_deg, or neither"))
+    if table.grid is not None and table.values is None:
+        found.append(place.problem('lacks values: "depth" or "height" of the grid\'s numbers'))
+    given = ("slope_percent", "deepens_deg") if table.grid else ("values", "origin_deg")
+    other = "a grid" if table.grid else "depth_m"
+    found += [
+        place.wrong(key, getattr(table, key), f"does not go with {other}")
+        for key in given
+        if getattr(table, key) is not None
+    ]
+    if table.breakout_t and table.kind != "mud":
+        found.append(place.wrong("breakout_t", table.breakout_t, 'only kind = "mud" holds a boat'))
+    return found
+
+
+def _plane(table: BottomTable) -> Grid:
+    """Return a plane, as a grid whose cell is a metre at the origin."""
+    depth = (table.depth_m or 0.0) + table.tide_m
+    slope = (table.slope_percent or 0.0) / 100.0
+    fall = math.radians(table.deepens_deg or 0.0)
+    north, east = slope * math.cos(fall), slope * math.sin(fall)
+    values = np.array([[depth, depth + east], [depth + north, depth + north + east]])
+    return Grid(values, 0.0, 0.0, (1.0, 1.0), degrees=False)
+
+
+def _charted(table: BottomTable, place: Place, path: Path) -> Grid:
+    """Return the depths of a grid on the exercise's plane, the tide added."""
+    name = table.grid or ""
+    try:
+        grid = read_grid(path.parent / name)
+        if table.origin_deg is not None:
+            grid = on_the_plane(grid, _chart(table.origin_deg))
+    except ConfigError as wrong:
+        raise ConfigError(*(place.wrong("grid", name, each) for each in wrong.problems)) from None
+    if grid.degrees:
+        told = "is in degrees: give origin_deg = [LAT, LON], where the exercise's origin lies"
+        raise ConfigError(place.wrong("grid", name, told))
+    sense = 1.0 if table.values == "depth" else -1.0
+    return replace(grid, values=sense * grid.values + table.tide_m)
+
+
+def _chart(origin: tuple[float, ...]) -> Position:
+    """Return the chart of an origin [deg], as the NMEA sentences' position has it."""
+    return Chart(*origin).position
+
+
+def land_near(bottom: Bottom, north: float, east: float) -> float:
+    """Return how near [m] a place the grid has no value. Infinity: none within NEAR."""
+    if bottom.known is None:
+        return math.inf
+    grid = bottom.known
+    i, j = np.nonzero(np.isnan(grid.values))
+    away = np.hypot(grid.south + i * grid.cell[0] - north, grid.west + j * grid.cell[1] - east)
+    nearest = float(away.min()) if away.size else math.inf
+    return nearest if nearest <= NEAR else math.inf
+
+
+def is_charted(bottom: Bottom, north: float, east: float) -> bool:
+    """Return whether a place is on the grid; a plane has no end."""
+    if bottom.known is None:
+        return True
+    grid = bottom.known
+    rows, columns = grid.values.shape
+    i, j = (north - grid.south) / grid.cell[0], (east - grid.west) / grid.cell[1]
+    return bool(0.0 <= i <= rows - 1 and 0.0 <= j <= columns - 1)

@@ -1,0 +1,347 @@
+"""Soundings on a grid, from ESRI ASCII or GeoTIFF, kept as a text.
+
+A recording holds that text, so that a replay needs neither the file nor what reads it.
+"""
+
+import base64
+import json
+import math
+import re
+import zlib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config.extras import advise_install
+from trainer.config.files import ConfigError, nearest, quote, read_kept, read_text
+
+Numbers = NDArray[np.float64]
+
+CELLS: Final = 4_000_000  # at most
+BYTES: Final = 100_000_000  # of a file, at most
+KEYWORDS: Final = (
+    *("ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter"),
+    *("cellsize", "nodata_value"),
+)
+NOTHING: Final = -9999.0  # at a sample without a value, where the file names no other
+HEADER: Final = re.compile(r"[ \t]*([A-Za-z_]\w*)[ \t]+(\S+)[ \t]*(?:\r\n|\r|\n|$)")
+MARK: Final = "soundings/1 "  # what the text of a grid begins with
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Values at the points of a grid, the southernmost row first, NaN for none."""
+
+    values: Numbers  # (rows, columns), as the file has them
+    west: float  # [m] or [deg] of the first column
+    south: float  # [m] or [deg] of the first row
+    cell: tuple[float, float]  # [m] or [deg] from row to row, and from column to column
+    degrees: bool
+
+
+def read_grid(path: Path) -> Grid:
+    """Return the grid in a file; ConfigError if it is none."""
+    return _from_text(read_kept(path, _as_text), path)
+
+
+def read_as_kept(path: Path, kept: str) -> str:
+    """Return a file's text of today in the form of what was kept of it. ConfigError."""
+    return read_kept(path, _as_text) if kept.startswith(MARK) else read_text(path)
+
+
+def _as_text(path: Path) -> str:
+    """Return the grid in a file on disk as a text."""
+    data = _bytes(path)
+    tiff = data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+    grid = read_geotiff(path) if tiff else read_ascii(data, path)
+    rows, columns = grid.values.shape
+    head = json.dumps([rows, columns, grid.west, grid.south, *grid.cell, grid.degrees])
+    packed = base64.b85encode(zlib.compress(grid.values.astype("<f8").tobytes(), 6))
+    return f"{MARK}{head}\n{packed.decode()}\n"
+
+
+def _from_text(text: str, path: Path) -> Grid:
+    """Return the grid of a text; ConfigError if that is damaged."""
+    try:
+        head, packed, _ = text.removeprefix(MARK).split("\n")
+        rows, columns, west, south, down, across, degrees = json.loads(head)
+        values = np.frombuffer(zlib.decompress(base64.b85decode(packed)), "<f8")
+        values = values.reshape(rows, columns).astype(np.float64)
+    except (ValueError, zlib.error):
+        raise ConfigError(f"{path}: is no grid as recordings keep one") from None
+    return Grid(values, west, south, (down, across), degrees)
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            data = file.read(BYTES + 1)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(data) > BYTES:
+        raise ConfigError(f"{path}: is larger than the limit of {BYTES} bytes; not read")
+    return data
+
+
+# ESRI ASCII
+
+
+def read_ascii(data: bytes, path: Path) -> Grid:
+    """Return the grid of an ESRI ASCII grid's bytes; ConfigError with what is wrong."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: is not UTF-8 text (byte {error.start} is wrong)") from None
+    said, at = _keywords(text, path)
+    rows, columns = (_count(said, name, path) for name in ("nrows", "ncols"))
+    cell = _number(said, "cellsize", path)
+    if cell <= 0.0:
+        raise _wrong(path, "cellsize", said["cellsize"], "must be above 0")
+    _refuse_large(rows, columns, path)
+    values = _samples(text[at:], rows * columns, path).reshape(rows, columns)[::-1]
+    absent = _number(said, "nodata_value", path, NOTHING)
+    west, south = (_low(said, axis, cell, path) for axis in "xy")
+    return Grid(
+        np.where(values == absent, np.nan, values), west, south, (cell, cell), degrees=False
+    )
+
+
+def _keywords(text: str, path: Path) -> tuple[Mapping[str, str], int]:
+    """Return what the keywords say, and where the samples begin."""
+    said: dict[str, str] = {}
+    at = 0
+    while (found := HEADER.match(text, at)) and found[1].lower() not in ("nan", "inf"):
+        name = found[1].lower()
+        if name not in KEYWORDS:
+            raise ConfigError(f"{path}: {found[1]}: no such keyword{nearest(name, KEYWORDS)}")
+        if name in said:
+            raise ConfigError(f"{path}: {found[1]} is given twice")
+        said[name], at = found[2], found.end()
+    return said, at
+
+
+def _number(said: Mapping[str, str], name: str, path: Path, usual: float | None = None) -> float:
+    """Return the number of a keyword; ConfigError if it is lacking or none."""
+    if name not in said and usual is not None:
+        return usual
+    if name not in said:
+        raise ConfigError(f"{path}: lacks {name.upper()}: is it an ESRI ASCII grid?")
+    try:
+        number = float(said[name])
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise _wrong(path, name, said[name], "must be a finite number")
+    return number
+
+
+def _count(said: Mapping[str, str], name: str, path: Path) -> int:
+    """Return a number of rows or columns; ConfigError if it is none."""
+    number = _number(said, name, path)
+    if number != int(number) or number < 1:
+        raise _wrong(path, name, said[name], "must be a whole number above 0")
+    return int(number)
+
+
+def _low(said: Mapping[str, str], axis: str, cell: float, path: Path) -> float:
+    """Return where the first sample is on an axis, by the corner or the centre of its cell."""
+    ends = [end for end in ("corner", "center") if f"{axis}ll{end}" in said]
+    other = [end for end in ("corner", "center") if f"{'y' if axis == 'x' else 'x'}ll{end}" in said]
+    if len(ends) != 1 or ends != other:
+        raise ConfigError(
+            f"{path}: give XLLCORNER and YLLCORNER, or XLLCENTER and YLLCENTER, both of one kind"
+        )
+    low = _number(said, f"{axis}ll{ends[0]}", path)
+    return low + 0.5 * cell if ends == ["corner"] else low
+
+
+def _samples(text: str, count: int, path: Path) -> Numbers:
+    """Return the samples of a grid; ConfigError if one is no number, or they are not so many."""
+    words = text.split()
+    if len(words) != count:
+        raise ConfigError(f"{path}: has {len(words)} samples; NROWS times NCOLS is {count}")
+    try:
+        values = np.array(words, np.float64)
+    except ValueError:
+        wrong = next(i for i, word in enumerate(words) if not _is_number(word))
+        raise ConfigError(
+            f"{path}: sample {wrong + 1} = {quote(words[wrong])}: is no number"
+        ) from None
+    if not np.isfinite(values).all():
+        wrong = int(np.argmin(np.isfinite(values)))
+        raise ConfigError(f"{path}: sample {wrong + 1} = {words[wrong]}: must be finite")
+    return values
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _refuse_large(rows: int, columns: int, path: Path) -> None:
+    if rows * columns > CELLS:
+        raise ConfigError(f"{path}: {rows} x {columns} samples: {CELLS} at most; take every n-th")
+    if min(rows, columns) < 2:
+        raise ConfigError(f"{path}: {rows} x {columns} samples: at least 2 x 2")
+
+
+def _wrong(path: Path, name: str, value: object, told: str) -> ConfigError:
+    return ConfigError(f"{path}: {name.upper()} = {value}: {told}")
+
+
+# GeoTIFF
+
+SCALE, TIE, KEYS, ABSENT = 33550, 33922, 34735, 42113  # tags
+RASTER, GEOGRAPHIC, PROJECTED, UNIT = 1025, 2048, 3072, 3076  # keys of the tag KEYS
+POINT, WGS84, OWN, METRE = 2, 4326, 32767, 9001
+CODED: Final = {5: "LZW", 6: "old JPEG", 7: "JPEG", 34887: "LERC"}  # that tifffile alone reads not
+CONVERT: Final = "gdal_translate -co COMPRESS=DEFLATE IN.tif OUT.tif"
+WARP: Final = "gdalwarp -t_srs EPSG:4326 IN.tif OUT.tif"
+
+
+def read_geotiff(path: Path) -> Grid:
+    """Return the grid of a GeoTIFF; ConfigError if it is of a form not read."""
+    try:
+        import tifffile  # noqa: PLC0415  an extra
+    except ImportError:
+        raise ConfigError(advise_install("tifffile", f"{path}: a GeoTIFF")) from None
+    try:
+        with tifffile.TiffFile(path) as file:
+            page = file.pages[0]
+            tags = {
+                number: page.tags[number].value
+                for number in (SCALE, TIE, KEYS, ABSENT)
+                if number in page.tags
+            }
+            _refuse_coding(int(page.compression), path)
+            _refuse_large(int(page.shape[0]), int(page.shape[1]), path)
+            values = np.asarray(page.asarray(), np.float64)
+    except ConfigError:
+        raise
+    except Exception as error:  # noqa: BLE001  whatever a damaged file makes of its reader
+        raise ConfigError(f"{path}: is no GeoTIFF that can be read: {error}") from None
+    return _placed(values, tags, path)
+
+
+def _refuse_coding(code: int, path: Path) -> None:
+    if code in CODED:
+        raise ConfigError(f"{path}: is compressed by {CODED[code]}, which is not read: {CONVERT}")
+
+
+def _placed(values: Numbers, tags: Mapping[int, Any], path: Path) -> Grid:
+    """Return a raster as a grid, by its tags."""
+    if values.ndim != 2:
+        raise ConfigError(f"{path}: has {values.ndim} dimensions: one band of depths is read")
+    if SCALE not in tags or TIE not in tags:
+        raise ConfigError(f"{path}: does not say where it lies (tags 33550 and 33922)")
+    keys = dict(_keys(tags.get(KEYS, ())))
+    _refuse_elsewhere(keys, path)
+    across, down = (float(each) for each in tags[SCALE][:2])
+    column, row, _, x, y = (float(each) for each in tags[TIE][:5])
+    half = 0.0 if keys.get(RASTER) == POINT else 0.5
+    west = x + (half - column) * across
+    south = y - (values.shape[0] - 1 + half - row) * down
+    absent = (
+        _number({"nodata_value": str(tags[ABSENT])}, "nodata_value", path)
+        if ABSENT in tags and str(tags[ABSENT]).strip().lower() != "nan"
+        else math.nan
+    )
+    found = np.where((values == absent) | ~np.isfinite(values), np.nan, values)[::-1]
+    return Grid(found, west, south, (down, across), GEOGRAPHIC in keys and PROJECTED not in keys)
+
+
+def _keys(directory: Any) -> Iterator[tuple[int, int]]:
+    """Yield the keys of a GeoTIFF that are numbers, with their values."""
+    numbers = list(directory)
+    for i in range(4, len(numbers) - 3, 4):
+        key, place, count, value = numbers[i : i + 4]
+        if place == 0 and count == 1:
+            yield int(key), int(value)
+
+
+def _refuse_elsewhere(keys: Mapping[int, int], path: Path) -> None:
+    """Raise ConfigError for a grid that is neither of plain metres nor of degrees of WGS 84."""
+    projected, geographic = keys.get(PROJECTED), keys.get(GEOGRAPHIC, WGS84)
+    if projected not in (None, OWN):
+        raise ConfigError(f"{path}: is in EPSG:{projected}; plain metres or EPSG:4326: {WARP}")
+    if keys.get(UNIT, METRE) != METRE:
+        raise ConfigError(f"{path}: its unit is EPSG:{keys[UNIT]}, not the metre: {WARP}")
+    if projected is None and geographic != WGS84:
+        raise ConfigError(f"{path}: is in EPSG:{geographic}; plain metres or EPSG:4326: {WARP}")
+
+
+# From degrees to the plane
+
+KNOTS: Final = 33  # of the lattice on which the chart is computed, each way
+Position = Callable[[float, float], tuple[float, float]]
+
+
+def on_the_plane(grid: Grid, position: Position) -> Grid:
+    """Return a grid of degrees sampled on the exercise's plane.
+
+    Its cells are as long as those of degrees are from row to row. ``position`` is the chart's: from
+    north and east [m] to latitude and longitude [deg]. It is computed on a lattice, and is linear
+    between its knots: off by 0.1 m where they are 3 km apart.
+    """
+    rows, columns = grid.values.shape
+    cell = max(grid.cell[0] * METRES, math.sqrt(_area(grid, position) / CELLS))
+    (south, north), (west, east) = _extent(grid, position)
+    shape = int((north - south) / cell) + 1, int((east - west) / cell) + 1
+    _refuse_large(*shape, Path("the grid on the plane"))
+    latitude, longitude = _positions(position, (south, west), cell, shape)
+    i = np.clip((latitude - grid.south) / grid.cell[0], 0.0, rows - 1.0)
+    j = np.clip((longitude - grid.west) / grid.cell[1], 0.0, columns - 1.0)
+    return Grid(between(grid.values, i, j), west, south, (cell, cell), degrees=False)
+
+
+METRES: Final = 111_132.0  # [m] of a degree of latitude, about
+
+
+def _extent(grid: Grid, position: Position) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return where [m] the grid begins and ends, northward and eastward, of the origin."""
+    latitude, longitude = position(0.0, 0.0)
+    rows, columns = grid.values.shape
+    north = grid.south + (rows - 1) * grid.cell[0], grid.south
+    east = grid.west + (columns - 1) * grid.cell[1], grid.west
+    across = METRES * math.cos(math.radians(latitude))
+    return (
+        ((north[1] - latitude) * METRES, (north[0] - latitude) * METRES),
+        ((east[1] - longitude) * across, (east[0] - longitude) * across),
+    )
+
+
+def _area(grid: Grid, position: Position) -> float:
+    (south, north), (west, east) = _extent(grid, position)
+    return (north - south) * (east - west)
+
+
+def _positions(
+    position: Position, first: tuple[float, float], cell: float, shape: tuple[int, int]
+) -> tuple[Numbers, Numbers]:
+    """Return latitude and longitude [deg] of every point of a grid on the plane."""
+    far = [first[k] + cell * (shape[k] - 1) for k in range(2)]
+    norths, easts = (np.linspace(first[k], far[k], KNOTS) for k in range(2))
+    knots = np.array([[position(float(n), float(e)) for e in easts] for n in norths])
+    i = np.linspace(0.0, KNOTS - 1.0, shape[0])[:, None]
+    j = np.linspace(0.0, KNOTS - 1.0, shape[1])[None, :]
+    latitude, longitude = (between(knots[:, :, k], i, j) for k in range(2))
+    return latitude, longitude
+
+
+def between(values: Numbers, i: Numbers, j: Numbers) -> Numbers:
+    """Return values of a grid between its rows and columns, bilinear."""
+    rows, columns = values.shape
+    low = np.minimum(np.floor(i).astype(int), rows - 2)
+    left = np.minimum(np.floor(j).astype(int), columns - 2)
+    up, right = i - low, j - left
+    near = values[low, left] * (1.0 - right) + values[low, left + 1] * right
+    far = values[low + 1, left] * (1.0 - right) + values[low + 1, left + 1] * right
+    found: Numbers = near * (1.0 - up) + far * up
+    return found
