@@ -91,10 +91,8 @@ def quantity_of(boat: Boat, name: str) -> float:
     """Return a quantity of a condition [SI] as it is. NaN if the boat lacks it."""
     if name == "showing":
         return -math.inf if deep(boat) else showing(boat)
-    if name == "eye":
-        return eye_height(boat)
-    if name == "clearance":
-        return clearance(boat)
+    if found := {"eye": eye_height, "clearance": clearance}.get(name):
+        return found(boat)
     if name == "course":
         return boat.plain[PLACES["psi"]] % math.tau
     if name == "heavy":
