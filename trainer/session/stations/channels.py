@@ -9,7 +9,7 @@ from trainer.boat.world.bottom import height_of_keel
 from trainer.core.casualties import KINDS
 from trainer.core.sea.sea import DIRECTION, HEIGHT, OMEGA
 from trainer.core.state import CASUALTIES
-from trainer.session.stations import optics, panels
+from trainer.session.stations import panels
 from trainer.session.stations.panels import (
     TONNE,
     Channel,
@@ -21,7 +21,7 @@ from trainer.session.stations.panels import (
     metres,
     word,
 )
-from trainer.session.stations.plot import CONTACTS
+from trainer.session.stations.plot import CONTACTS, PERISCOPE
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
@@ -196,7 +196,7 @@ INSTRUCTOR: Final = (
 
 
 CHANNELS: Final[Mapping[str, Channel]] = {
-    channel.name: channel for channel in (*panels.CHANNELS, *optics.CHANNELS, *INSTRUCTOR)
+    channel.name: channel for channel in (*panels.CHANNELS, *PERISCOPE, *INSTRUCTOR)
 }
 TELETYPE: Final = "teletype"  # the state in one line of 79 columns, under headings
 EVENTS: Final = "events"  # what happens, when it happens
