@@ -47,6 +47,7 @@ PAGE_PICTURES = (  # of docs/browser.md: page, size, palette
     ("helm", "laptop", "dusk"),
     ("ballast", "tablet", "day"),
     ("pilot", "phone", "night"),
+    ("scope", "laptop", "dusk"),
     ("wall", "laptop", "dusk"),
     ("kiosk", "tablet", "dusk"),
 )
@@ -57,6 +58,29 @@ UNDER_WAY = (
     *("at 90 course 060", "at 100 casualty stern-slow", "time 20", "run"),
 )
 SHOWN = 220  # [ticks] into the run
+SHIPS = """\
+schema = "exercise/1"
+name = "Traffic"
+briefing = "Look round."
+duration_s = 3600
+[initial]
+speed_kn = 5
+depth_m = 17
+[sea]
+sea_state = 4
+direction_deg = 60
+[[contact]]
+name = "ferry"
+type = "ferry"
+points = [[1500, -60]]
+course_deg = 70
+status = "under way"
+[[contact]]
+name = "smack"
+type = "fishing"
+points = [[600, 80]]
+course_deg = 300
+"""
 
 
 async def look(role: str, size: tuple[int, int], where: str, seconds: float) -> None:
@@ -101,6 +125,14 @@ def sail(instructor: Caller) -> None:
     instructor.ask("time 4")
 
 
+def look_out(instructor: Caller) -> None:
+    """Raise the periscope, and wait until it is up."""
+    for words in ("scope raise", "run", "subscribe time"):
+        assert instructor.ask(words)[0], words
+    while instructor.tick < 20:
+        instructor.ask("who")
+
+
 def open_chromium(driver: Playwright) -> Browser:
     """Return a browser that asks for nothing itself."""
     return driver.chromium.launch(executable_path=find_chromium(), args=QUIET)
@@ -123,12 +155,22 @@ def draw_pages(folder: Path | None) -> None:
     """Draw the pages of the documents, or all that there are into a folder."""
     every = [(n, s, p) for n in NAMES for s in SIZES for p in PALETTES]
     wanted = every if folder else PAGE_PICTURES
-    with sync_playwright() as driver, open_chromium(driver) as browser:
-        for exercise, names in (((), set(NAMES) - {"kiosk"}), (("visitor-dive",), {"kiosk"})):
+    with (
+        sync_playwright() as driver,
+        open_chromium(driver) as browser,
+        tempfile.TemporaryDirectory() as kept,
+    ):
+        ships = Path(kept) / "ships.toml"
+        ships.write_text(SHIPS, encoding="utf-8")
+        for exercise, names, begin in (
+            ((), set(NAMES) - {"kiosk", "scope"}, sail),
+            ((str(ships),), {"scope"}, look_out),
+            (("visitor-dive",), {"kiosk"}, None),
+        ):
             with served(*exercise, "--no-record", "--speed", "4", frozen=False) as session:
                 instructor = session.attach()
-                if not exercise:
-                    sail(instructor)
+                if begin:
+                    begin(instructor)
                 instructor.hang_up()
                 for what in (each for each in wanted if each[0] in names):
                     draw_page(browser, session, what, file_of(what, folder))

@@ -16,6 +16,7 @@ from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
 from trainer.boat.depths import collapse_of, count_passed
 from trainer.boat.helm import obey
+from trainer.boat.world.scope import periscope_of
 from trainer.config.files import ConfigError, shipped, shipped_names
 from trainer.config.vessel import (
     DOCUMENTARY_TABLES,
@@ -33,6 +34,7 @@ from trainer.session.time.ledger import Ledger
 from trainer.session.warm_up import refuse_unstable
 
 Path_ = tuple[str | int, ...]  # of a value in tables and lists
+RAISE = Order("scope", 0.0, "raise", "scope raise")
 ORDERS = (
     *("ahead one third", "ahead two thirds", "ahead standard", "ahead full", "ahead flank"),
     *("astern one third", "astern two thirds", "astern full"),
@@ -113,6 +115,8 @@ def a_run(file: VesselFile, monkeypatch: pytest.MonkeyPatch) -> list[object]:
         order = parse(line)
         assert isinstance(order, Order), line
         told += [obey(boat, order), boat.state.ordered_u_c, boat.state.ordered_depth]
+    if scope := periscope_of(boat):
+        told += [obey(boat, RAISE), scope.head(scope.at(10))]
     return told
 
 

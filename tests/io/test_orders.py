@@ -197,7 +197,7 @@ def test_an_order_is_understood(line: str, name: str, value: float, word: str, t
         ("release", "expected depth, position, tanks, all or marks"),
         (
             "role captain",
-            "expected instructor, helm, planes, pilot, ballast, diving, observer or visitor",
+            "expected instructor, helm, planes, pilot, ballast, diving, observer, visitor or scope",
         ),
         ("s d 10", '"s" may be sail or stern'),
         ("a f", '"a" may be again, ahead or astern'),

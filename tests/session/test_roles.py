@@ -34,6 +34,7 @@ OWN = {
     "diving": SHIP | WATER | SAYS | {"surface", "dive", "order", "tell", "belay"},
     "observer": {"mark"},
     "visitor": {"lever", "restart"},
+    "scope": {"scope", "mark"} | SAYS,
 }
 ALL = {
     *("role", "help", "status", "briefing", "log", "ack", "history"),

@@ -30,7 +30,7 @@ def test_the_first_page_tells_what_is_sailed_and_who_is_where(serve: Serve, look
         expect(each.locator("#title")).to_have_text("Passage, fast and deep")
         expect(each.locator("#time")).to_have_text("00:00 / 10:00")
         expect(each.locator("#says")).to_have_text("It has not begun yet.")
-        expect(each.locator("nav small")).to_have_text(["free"] * 9)
+        expect(each.locator("nav small")).to_have_text(["free"] * 10)
     wall, helm, instructor = look(session, "wall"), session.attach("helm"), session.attach()
     session.attach("helm")
     expect(wall.locator("#state")).to_have_text("FROZEN")
@@ -88,7 +88,7 @@ def test_the_keys_of_the_first_page_are_large(shared: Served, look: Look, size: 
 
     expect(page.locator("#state")).to_have_text("CONNECTED")
     boxes = [key.bounding_box() for key in page.locator("a, select").all() if key.is_visible()]
-    assert len(boxes) == 10
+    assert len(boxes) == 11
     for box in boxes:
         assert box
         assert min(box["width"], box["height"]) >= 44

@@ -16,6 +16,7 @@ from trainer.boat.crew_hands import SLACK, Gauges, PlanesHand, RudderHand
 from trainer.boat.crew_orders import AXES
 from trainer.boat.helm import obey
 from trainer.boat.limits import showing
+from trainer.boat.world.scope import eye_height
 from trainer.config.condition import QUANTITIES, Condition
 from trainer.config.reference_crew import HANDS, Crew, CrewRule
 from trainer.io.orders.grammar import Order, Reply, parse
@@ -196,6 +197,8 @@ class ReferenceCrew:
             return self.gauges.now().heading % math.tau
         if quantity == "showing":
             return showing(self.boat)
+        if quantity == "eye":
+            return eye_height(self.boat)
         factor = scale_of(self.boat, quantity)
         return self.boat.plain[PLACES[QUANTITIES[quantity].place]] / factor if factor else 0.0
 

@@ -267,6 +267,7 @@ ROLES = (
     "diving",
     "observer",
     "visitor",
+    "scope",
 )  # see stations.roles
 
 

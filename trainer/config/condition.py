@@ -69,6 +69,7 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
 DERIVED: Final[Mapping[str, Quantity]] = {
     "course": Quantity("", ANGLE, "where the bow points"),
     "heavy": Quantity("", MASS, "weight less buoyancy"),
+    "eye": Quantity("", LENGTH, "height of the periscope's head above the sea"),
     "clearance": Quantity("", LENGTH, "least height of the keel over the ground"),
     "speed_over_ground": Quantity("", SPEED, "over the ground, whichever way"),
     "showing": Quantity("", LENGTH, "height of sail or deck above the sea, the higher one"),

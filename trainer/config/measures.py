@@ -105,6 +105,28 @@ MEASURES: Final[Mapping[str, Measure]] = {
         "least range to any ship, middle to middle, straight between ticks",
         "when it was",
     ),
+    "exposed": Measure(
+        (),
+        (),
+        "s",
+        "number of ticks with the periscope's head out of the water, times the step",
+        "the first",
+    ),
+    "exposed-raise": Measure(
+        (),
+        (),
+        "s",
+        "the same of the raise of the mast that has most",
+        "its first",
+    ),
+    "time-to-detect": Measure(
+        (),
+        (),
+        "s",
+        "longest time from when a ship came in sight to a mark of it: `mark contact 045`, "
+        "within 3 deg",
+        "the mark",
+    ),
     "broaches": Measure(
         (),
         (),

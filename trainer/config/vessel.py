@@ -34,6 +34,7 @@ from trainer.config.vessel_records import (
     Hull,
     Propulsion,
     Run,
+    Scope,
     Surfaces,
     WaveStrips,
 )
@@ -96,6 +97,7 @@ DOCUMENTARY_KEYS: Mapping[str, tuple[str, ...]] = {
     "ballast": ("note",),
     "free_surface": ("note",),
     "wave_strips": ("note",),
+    "scope": ("note",),
 }
 RECORDS: Mapping[str, type[Any]] = {
     "fluid": Fluid,
@@ -109,8 +111,9 @@ RECORDS: Mapping[str, type[Any]] = {
     "ballast": Ballast,
     "free_surface": FreeSurface,
     "wave_strips": WaveStrips,
+    "scope": Scope,
 }
-OPTIONAL_TABLES = ("autopilot", "ballast", "free_surface", "wave_strips")
+OPTIONAL_TABLES = ("autopilot", "ballast", "free_surface", "wave_strips", "scope")
 WHOLE_TABLES = ("compensation.modified", "compensation.basic")  # never filled key by key
 KNOWN = (
     "schema",
@@ -144,6 +147,7 @@ class VesselFile:
     ballast: Ballast | None
     free_surface: FreeSurface | None
     wave_strips: WaveStrips | None
+    scope: Scope | None
     defaulted: tuple[str, ...]  # tables, or table.key, taken from the defaults file
     remarks: tuple[str, ...]  # unusual, not wrong
 
@@ -227,6 +231,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         ballast=parts.get("ballast"),
         free_surface=parts.get("free_surface"),
         wave_strips=parts.get("wave_strips"),
+        scope=parts.get("scope"),
         defaulted=tuple(defaulted),
         remarks=tuple(_placed(remarks, place)),
     )

@@ -340,6 +340,16 @@ class WaveStrips:
     )
 
 
+@dataclass(frozen=True, kw_only=True)
+class Scope:
+    """The periscope, which stands on the sail's top and comes out of it."""
+
+    x_m: float = of(Quantity("m", within(-400, 400), "place of the mast, forward of the origin"))
+    extension_m: float = of(Quantity("m", above(0, 30), "head over the sail's top, all out"))
+    raise_s: float = of(Quantity("s", within(0.1, 600), "time from all in to all out"))
+    speed_kn_max: float = of(Quantity("kn", above(0, 60), "at which the mast may be out"))
+
+
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/vessel-files.md shows them."""
     records = {
@@ -355,5 +365,6 @@ def key_tables() -> str:
         "free_surface": FreeSurface,
         "[free_surface.rows]": SurfaceRow,
         "wave_strips": WaveStrips,
+        "scope": Scope,
     }
     return tables_of(records)

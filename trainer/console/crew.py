@@ -11,7 +11,7 @@ ADDRESSED: Final = {
     "pitch": ("planes", "pilot", "diving"),
 }
 WORDS: Final = "tell"  # how an order in words begins
-CREW: Final = ("helm", "planes", "pilot", "ballast", "diving")
+CREW: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")
 
 
 class CrewOrder(NamedTuple):

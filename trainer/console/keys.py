@@ -279,6 +279,17 @@ KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
         Key(("m",), "M", "mark", "mark this moment, with a remark", Write("mark ")),
         *COMMON,
     ),
+    "scope": (
+        *FIRST,
+        order_key("u", "raise", "scope raise"),
+        order_key("d", "lower", "scope lower"),
+        order_key("1", "power", "scope power 1.5"),
+        order_key("6", "", "scope power 6"),
+        Key(("t",), "T", "train", "point it so far off the bow", Write("scope train ")),
+        Key(("r",), "R", "range", "from a masthead's height", Write("scope range ")),
+        Key(("m",), "M", "mark", "mark a ship on its bearing", Write("mark contact ")),
+        *COMMON,
+    ),
     "visitor": (
         *FIRST,
         Key(("d",), "D", "R: lever", "push the lever down, so many degrees", Write("lever dive ")),
@@ -313,5 +324,5 @@ def key_table(role: str) -> str:
 
 def key_tables() -> str:
     """Return the tables of all roles but those of who looks on or visits."""
-    shown = (role for role in KEYS if role not in ("observer", "visitor"))
+    shown = (role for role in KEYS if role not in ("observer", "scope", "visitor"))
     return "\n".join(f"#### {role.capitalize()}\n\n{key_table(role)}" for role in shown)

@@ -129,6 +129,12 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             (Place("panel", panels.lookout, moving=True),),
         ),
         Layout(
+            "scope",
+            ("time", "scope", "orders", "gauges"),
+            charts_named("gauges", "depth", "heading"),
+            (Place("panel", panels.periscope, moving=True),),
+        ),
+        Layout(
             "visitor",
             ("time", "diving", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),

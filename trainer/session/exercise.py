@@ -19,6 +19,7 @@ from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.grounding import clearance
 from trainer.boat.limits import deep, over_ground, showing
+from trainer.boat.world.scope import eye_height
 from trainer.config.condition import QUANTITIES, Condition, Loss
 from trainer.config.files import ConfigError
 
@@ -90,8 +91,8 @@ def quantity_of(boat: Boat, name: str) -> float:
     """Return a quantity of a condition [SI] as it is. NaN if the boat lacks it."""
     if name == "showing":
         return -math.inf if deep(boat) else showing(boat)
-    if name == "clearance":
-        return clearance(boat)
+    if found := {"eye": eye_height, "clearance": clearance}.get(name):
+        return found(boat)
     if name == "course":
         return boat.plain[PLACES["psi"]] % math.tau
     if name == "heavy":

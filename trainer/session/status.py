@@ -105,7 +105,8 @@ def sea_lines(boat: Boat) -> list[str]:
 
 def current_lines(frame: Frame, boat: Boat) -> list[str]:
     """Return the current and the way over the ground, nothing where there is neither."""
-    if not boat.world.acts:
+    around = boat.world.parts.get("current")
+    if around is None or not around.acts:
         return []
     track, speed = way_made(frame)
     towards, drift = set_and_drift(frame)

@@ -9,6 +9,7 @@ from typing import Any, Final
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from trainer import __version__
+from trainer.config.contacts import TYPES
 from trainer.config.course import course
 from trainer.io.orders.help import limits_and_units, usage
 from trainer.io.orders.quantities import NUMBERS
@@ -59,6 +60,10 @@ PAGES: Final = (
         *(CREW, "Orders planes and ballast, and keeps the boat in trim"),
     ),
     Page(
+        *("scope", "Periscope", "scope", "scope.html"),
+        *(CREW, "Looks round, takes bearings and ranges, marks contacts"),
+    ),
+    Page(
         *("observer", "Observer", "observer", "observer.html"),
         *(WATCH, "All instruments, no controls; marks moments"),
     ),
@@ -83,7 +88,7 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.globals |= {"order_words": order_words, "lessons": lessons}
+    environment.globals |= {"order_words": order_words, "lessons": lessons, "mastheads": mastheads}
     return environment
 
 
@@ -114,6 +119,12 @@ def lessons() -> list[dict[str, Any]]:
         | {"seconds": each.seconds, "hand": each.hand, "vessel": each.vessel}
         for each in course()
     ]
+
+
+def mastheads() -> list[tuple[str, str]]:
+    """Return the height [m] of the masthead of each type of ship, the highest first."""
+    kinds = sorted(TYPES.items(), key=lambda each: -each[1].mast)
+    return [(name, f"{ship.mast:g}") for name, ship in kinds]
 
 
 def render(page: Page, **parts: Any) -> str:

@@ -157,7 +157,11 @@ def gather(
     boat = Boat(plan.file, plan.method)
     boat.world = world_of(boat, plan.world)
     settle_world(boat, recording, wanted, sys.maxsize)
-    trajectory = read_passage(recording, wanted, layout_of(header), boat, plan.limits)
+    events = tuple(events_of(recording, branches, branch))
+    trajectory = replace(
+        read_passage(recording, wanted, layout_of(header), boat, plan.limits),
+        marks=tuple(each for each in events if each.kind == "mark"),
+    )
     changes = tuple(each for each in read_changes(source) if each.branch == wanted)
     nobody = {
         each: nobody_aboard(plan, header, each)
@@ -174,7 +178,7 @@ def gather(
         casualties=tuple(pair_answers(trajectory)),
         crew=crew_orders(trajectory),
         hands=hands(trajectory),
-        events=tuple(events_of(recording, branches, branch)),
+        events=events,
         ticks=ticks_of(trajectory),
         width=width,
         practice=practice_of(plan, branches, branch),

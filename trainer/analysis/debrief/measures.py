@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.debrief.encounters import meet
+from trainer.analysis.debrief.encounters import detections, meet, shown
 from trainer.analysis.debrief.episodes import answer_to, first_spell
 from trainer.analysis.debrief.groundings import groundings
 from trainer.analysis.debrief.trajectory import Rows, Trajectory, showing
@@ -151,6 +151,35 @@ def closest_approach(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attaine
     if not np.isfinite(nearest).any():
         return Attained(None, None, "there was no ship", counts=False)
     return _extreme(trajectory, rows, nearest, np.argmin)
+
+
+def exposed(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return the time [s] for which the periscope's head was out of the water."""
+    found = np.flatnonzero(shown(trajectory)[0] & rows)
+    seconds = float(found.size) * trajectory.boat.method.step
+    return Attained(seconds, int(trajectory.ticks[found[0]]) if found.size else None)
+
+
+def exposed_raise(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the time [s] of the raise that showed longest."""
+    raises = shown(trajectory)[1]
+    each = [exposed(trajectory, rows & (raises == one), rule) for one in np.unique(raises)]
+    return max(each, key=lambda attained: attained.value or 0.0)
+
+
+def time_to_detect(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return the longest time [s] from a ship in sight to its mark."""
+    looked_at = set(trajectory.ticks[rows].tolist())
+    found = [each for each in detections(trajectory) if each.seen in looked_at]
+    if not found:
+        return Attained(None, None, "no ship came in sight", counts=False)
+    missed = next((each for each in found if each.marked is None), None)
+    if missed:
+        return Attained(None, missed.seen, f"{missed.name} was not marked")
+    step = trajectory.boat.method.step
+    times = {each: ((each.marked or 0) - each.seen) * step for each in found}
+    slowest = max(found, key=lambda each: times[each])
+    return Attained(times[slowest], slowest.marked)
 
 
 def broaches(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:

@@ -14,6 +14,7 @@ from trainer.boat.casualties import scale_of
 from trainer.boat.crew_orders import AXES
 from trainer.boat.grounding import NAMES
 from trainer.boat.world.bottom import ground_under, keel_of
+from trainer.boat.world.scope import Mast, periscope_of
 from trainer.config.condition import ANGLE, DERIVED, QUANTITIES, Condition
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
@@ -23,7 +24,7 @@ from trainer.core.bottom import PLACES as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.state import CASUALTIES
-from trainer.io.recording.recording import Flown, Journalled, Recording
+from trainer.io.recording.recording import Flown, Journalled, Noted, Recording
 from trainer.session.layout import numbers_of
 
 Rows = NDArray[np.bool_]  # which ticks of a passage
@@ -64,6 +65,7 @@ class Trajectory:
     columns: Mapping[str, Numbers]  # places of the state [SI] by their names in the core
     lateness: Numbers  # [ns], NaN where nobody measured it
     work: Numbers  # [ns]
+    marks: tuple[Noted, ...] = ()  # moments that somebody has marked
 
     @property
     def seconds(self) -> Numbers:
@@ -149,6 +151,21 @@ def showing(trajectory: Trajectory) -> Numbers:
     return lifted - column["z"] - column["eta_wave"]
 
 
+def eye_heights(trajectory: Trajectory) -> Numbers:
+    """Return the height [m] of the periscope's head over the waves.
+
+    It is NaN for a boat without one.
+    """
+    scope, column = periscope_of(trajectory.boat), trajectory.columns
+    if scope is None:
+        return np.full(trajectory.ticks.size, np.nan)
+    x, foot = scope.head(Mast())
+    out = np.array([scope.at(tick).out for tick in trajectory.ticks.tolist()])
+    upright = np.cos(column["theta"]) * np.cos(column["phi"])
+    lifted = x * np.sin(column["theta"]) - (foot - out) * upright
+    return np.asarray(lifted - column["z"] - column["eta_wave"])
+
+
 def keel_clearance(trajectory: Trajectory) -> Numbers:
     """Return the least height [m] of the keel over the ground."""
     vessel, column = trajectory.boat.vessel, trajectory.columns
@@ -170,6 +187,7 @@ def over_ground(trajectory: Trajectory) -> Numbers:
 DERIVE: Final[Mapping[str, Callable[[Trajectory], Numbers]]] = {
     COURSE: lambda trajectory: trajectory.columns["psi"],  # not wrapped
     "heavy": heaviness,
+    "eye": eye_heights,
     "showing": showing,
     "clearance": keel_clearance,
     "speed_over_ground": over_ground,
@@ -178,6 +196,8 @@ DERIVE: Final[Mapping[str, Callable[[Trajectory], Numbers]]] = {
 
 def has(boat: Boat, quantity: str) -> bool:
     """Return whether a boat has what a quantity is about."""
+    if quantity == "eye":
+        return boat.file.scope is not None
     if quantity == "clearance":
         return ground_under(boat) is not None
     return quantity in DERIVED or scale_of(boat, quantity) != 0.0

@@ -11,6 +11,7 @@ from typing import Any, Final, Protocol
 from trainer.boat.world.bottom import ground_of
 from trainer.boat.world.contacts import contacts_of
 from trainer.boat.world.current import make_current
+from trainer.boat.world.scope import Periscope
 from trainer.config.world import WorldTables
 from trainer.io.orders.grammar import Order, Refused, Reply
 
@@ -75,6 +76,7 @@ PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {
     "bottom": ground_of,
     "contact": contacts_of,
     "current": make_current,
+    "scope": Periscope,
 }
 
 

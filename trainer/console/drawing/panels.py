@@ -175,6 +175,24 @@ def lookout(model: SessionModel, width: int, height: int) -> Lines:
     return pilot(model, width, height)
 
 
+def periscope(model: SessionModel, width: int, height: int) -> Lines:
+    """Return what the periscope shows in numbers and words, under the repeaters."""
+    picture = model.picture
+
+    def said(name: str) -> str:
+        return picture.word("scope", name) or "-"
+
+    optics = f" bearing {said('bearing')}  train {said('train')}  power {said('power')}"
+    mast = f" mast {said('going')}, {said('mast')} m out  view {said('view')}"
+    lines = [
+        *instruments(model, width, large=height >= PLANES),
+        line((optics, "bright")),
+        line((mast, "bright")),
+        line((f" in sight: {picture.word('scope', 'sighted') or 'nothing'}", "bright")),
+    ]
+    return [fit(each, width) for each in lines[:height]]
+
+
 def instruments(model: SessionModel, width: int, *, large: bool) -> Lines:
     """Return depth, heading and speed above the newest order, small where room is short."""
     shown = [depth_gauge(model), compass(model), speed_log(model)]

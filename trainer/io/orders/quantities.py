@@ -68,6 +68,8 @@ NUMBERS = {
     "WIND": Number("a wind", (KNOTS, METRES_PER_SECOND), 0.0, 100.0),
     "DRIFT": Number("a drift", (KNOTS, METRES_PER_SECOND), 0.0, 10.0),
     "HEIGHT": Number("a significant height", (METRES, FEET), 0.0, 25.0),
+    "TRAIN": Number("an angle off the bow", (DEGREES,), 0.0, 360.0),
+    "MAST": Number("the height of a masthead", (METRES, FEET), 1.0, 150.0),
     "NORTH": Number("metres north of the origin, south negative", (PLACE,), *FAR, decimals=1),
     "EAST": Number("metres east of the origin, west negative", (PLACE,), *FAR, decimals=1),
     "AMOUNT": Number("an amount of water", (TONNES,), 0.0, 1000.0),

@@ -80,7 +80,7 @@ SETS = {
     "TANK": "auxiliary|depth-control",
     "SPACE": "forward|centre=center|aft",
     "PART": "depth|position|tanks",
-    "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer|visitor",
+    "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer|visitor|scope",
     "SHIP": "tanker|cargo|ferry|fishing|yacht|tug",
     "AXIS": "rudder|planes|speed|ballast",
 }
@@ -109,9 +109,9 @@ BOAT_TOPICS = (
     Topic(("planes", "lever"), "planes zero | auto | lever dive 8", "both pairs of planes at once"),
     Topic(("autopilot",), "autopilot on | off | report", "switch it, or choose its law"),
     Topic(
-        ("surface", "dive", "periscope"),
+        ("surface", "dive", "periscope", "scope"),
         "surface | dive | periscope depth",
-        "blow and come up; flood; periscope",
+        "come up; flood; scope raise",
     ),
     Topic(("blow", "emergency"), "blow all | stop | emergency blow", "main ballast; also mid, aft"),
     Topic(("vent", "negative"), "vent all open | negative flood", "air out; the negative tank"),
@@ -219,6 +219,10 @@ FORMS = (
     Form("surface", "blow main ballast and come up"),
     Form("dive", "open the main vents, blows shut"),
     Form("periscope [depth]", "keep the boat's periscope depth"),
+    Form("scope raise|lower", "the periscope's mast out, or in"),
+    Form("scope train TRAIN", "point it so far off the bow, clockwise"),
+    Form("scope power 1.5|6", "its magnification"),
+    Form("scope range MAST", "distance of the ship at the wire, from its masthead's height"),
     Form("blow GROUP", "blow main ballast, its vents shut"),
     Form("blow stop", "shut all blow valves and the negative tank"),
     Form("emergency blow", "blow all main ballast from both banks"),
@@ -344,7 +348,7 @@ BOAT_ORDERS = frozenset(
         ),
         *("planes", "lever", "autopilot", "periscope", "surface", "dive", "blow", "emergency"),
         *("vent", "negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
-        *("sea", "current", "contact"),
+        *("sea", "current", "contact", "scope"),
         *("casualty", "clear", "hold", "release", "order", "course-to"),
     )
 )

@@ -91,9 +91,9 @@ def in_words(facts: Iterable[tuple[str, str]]) -> list[str]:
 
 def limit_in_words(name: str, value: str) -> str:
     """Return a limit such as depth_m_max in words."""
-    what, unit, end = name.split("_")
+    what, unit, end = name.rsplit("_", 2)
     unit = "" if unit == "level" else f" {unit}"
-    return f"{what} {SIDES[end]} {value}{unit}"
+    return f"{what.replace('_', ' ')} {SIDES[end]} {value}{unit}"
 
 
 TITLES: Final = {

@@ -21,7 +21,7 @@ from trainer.session.stations.panels import (
     metres,
     word,
 )
-from trainer.session.stations.plot import CONTACTS
+from trainer.session.stations.plot import CONTACTS, PERISCOPE
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
@@ -44,10 +44,7 @@ def clearance(frame: Frame) -> Value:
 
 def water_over_sail(frame: Frame) -> Value:
     """Return the water [m] over the sail's top. It is negative out of the sea."""
-    x, z = frame.fittings.sail
-    pitch, heel = frame["theta"], frame["phi"]
-    lifted = x * math.sin(pitch) - z * math.cos(pitch) * math.cos(heel)
-    return frame["z"] + frame["eta_wave"] - lifted
+    return -frame.height(*frame.fittings.sail)
 
 
 SLOWEST: Final = 0.005  # [kn] that is not written as zero
@@ -199,7 +196,7 @@ INSTRUCTOR: Final = (
 
 
 CHANNELS: Final[Mapping[str, Channel]] = {
-    channel.name: channel for channel in (*panels.CHANNELS, *INSTRUCTOR)
+    channel.name: channel for channel in (*panels.CHANNELS, *PERISCOPE, *INSTRUCTOR)
 }
 TELETYPE: Final = "teletype"  # the state in one line of 79 columns, under headings
 EVENTS: Final = "events"  # what happens, when it happens

@@ -77,7 +77,7 @@ def in_words(channel: Channel, frame: Frame) -> list[str]:
     shown = (
         f"{field.name} {text} {field.unit.strip('-')}".rstrip().replace(" ", "\0")
         for field, text in zip(channel.fields, channel.values(frame), strict=True)
-        if text
+        if text and not field.packed
     )
     told = f"{channel.name}, {frame.seconds:g} s: {', '.join(shown) or 'nothing'}"
     wrapped = textwrap.wrap(told, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
@@ -86,7 +86,8 @@ def in_words(channel: Channel, frame: Frame) -> list[str]:
 
 def panel(channels: tuple[str, ...], frame: Frame) -> list[str]:
     """Return the instruments of some channels in words, for the order ``status``."""
-    shown = (CHANNELS[name] for name in channels if name in CHANNELS)
+    there = (CHANNELS[name] for name in channels if name in CHANNELS)
+    shown = (each for each in there if not all(field.packed for field in each.fields))
     return [line for channel in shown for line in in_words(channel, frame)]
 
 

@@ -29,6 +29,7 @@ class Field:
     unit: str
     decimals: int
     read: Callable[[Frame], Value]
+    packed: bool = False  # for programs alone: words leave it out
 
     def text(self, frame: Frame) -> str:
         """Return the value with its decimals, "" for none."""

@@ -27,7 +27,7 @@ ROWS: Final = 360  # of a channel at most: one in ten seconds of an hour
 SLICE: Final = 12  # of them at once
 PAUSE: Final = 0.01  # [s] between slices: ticks and other lines have their turn
 ANEW: Final = ("reset", "restart", "again")  # orders after which nothing of their moment stands
-PRESENT: Final = ("time", "ledger")  # channels about the session itself, which no state holds
+PRESENT: Final = ("time", "ledger", "scope", "swell", "lookout")  # of which no state holds all
 
 Found = tuple[int, bytes]  # a tick and the state at its end
 
@@ -117,7 +117,7 @@ class PastReader:
 def refusal(channel: str, role: Role) -> str:
     """Return why a channel's past is not for a role, "" when it is."""
     if channel in PRESENT:
-        return f"{channel} tells of the session as it is: it has no past"
+        return f"{channel} tells of what is now: it has no past"
     if channel not in (*CHANNELS, TELETYPE, EVENTS):
         return unknown(channel, role)
     return why_barred(channel, role) or ""

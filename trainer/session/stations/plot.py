@@ -1,19 +1,26 @@
-"""The ships near as the instructor has them plotted: the nearest few, by range."""
+"""The ships near: as the instructor has them plotted, and as the periscope shows them.
+
+A trainee's page is told angles alone, and nothing of what the horizon hides.
+"""
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from trainer.boat.world.contacts import contacts_in
 from trainer.boat.world.encounters import Own, plot
+from trainer.boat.world.scope import SHOWS, Mast, Periscope, Sight, periscope_of
+from trainer.boat.world.swell import Swell, swell_round
 from trainer.session.stations.panels import Channel, Field, Value, compass, word
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
 MOST: Final = 8  # ships plotted; there may be more
+SHOWN: Final = 10  # ships in sight, the nearest
+MINUTES: Final = 60.0 * math.degrees(1.0)  # of arc in a radian
 
 
 class Plotted(NamedTuple):
@@ -88,3 +95,188 @@ CONTACTS: Final = Channel(
         *(field for place in range(MOST) for field in ship_fields(place)),
     ),
 )
+
+
+def periscope(frame: Frame) -> Periscope | None:
+    """Return the boat's periscope, None where it has none."""
+    return periscope_of(frame.boat)
+
+
+def mast(frame: Frame) -> Mast | None:
+    """Return how the mast stands, None where there is none."""
+    scope = periscope(frame)
+    return scope.at(frame.tick) if scope else None
+
+
+def eye(frame: Frame) -> float | None:
+    """Return the height [m] of the head over the waves."""
+    scope, stands = periscope(frame), mast(frame)
+    return frame.height(*scope.head(stands)) if scope and stands else None
+
+
+def sights(frame: Frame) -> list[Sight]:
+    """Return the ships in sight, the nearest first. They are found once for a frame."""
+    scope, stands = periscope(frame), mast(frame)
+    if scope is None or stands is None:
+        return []
+    if "sights" not in frame.kept:
+        place = scope.place(frame, stands, frame.height(*scope.head(stands)))
+        frame.kept["sights"] = scope.sights(place, stands)
+    found: list[Sight] = frame.kept["sights"]
+    return found
+
+
+def of_mast(read: Callable[[Mast, Frame], Value]) -> Callable[[Frame], Value]:
+    """Return how to read something off the mast. None: the boat has none."""
+
+    def value(frame: Frame) -> Value:
+        stands = mast(frame)
+        return None if stands is None else read(stands, frame)
+
+    return value
+
+
+def going(stands: Mast, frame: Frame) -> Value:
+    """Return how the mast moves or stands."""
+    scope = periscope(frame)
+    most = scope.fitted.extension_m if scope and scope.fitted else 0.0
+    if stands.up:
+        return "up" if stands.out >= most else "raising"
+    return "lowering" if stands.out > 0.0 else "down"
+
+
+def view(stands: Mast, frame: Frame) -> Value:
+    """Return what is in the way of the view, `clear` for nothing."""
+    scope, height = periscope(frame), eye(frame)
+    if stands.out < SHOWS or scope is None or height is None:
+        return "down"
+    if height <= 0.0:
+        return "washed"
+    return "shakes" if scope.shakes(frame["u"], stands) else "clear"
+
+
+def sighted(frame: Frame) -> Value:
+    """Return the ships in sight with their bearings by the gyro, in words."""
+    told = (
+        f"{each.type} {compass(frame.readings.heading + each.train, 0):03.0f}"
+        for each in sights(frame)[:SHOWN]
+    )
+    return "; ".join(told) or None
+
+
+def lamps(sight: Sight) -> str:
+    """Return colour, angle beside the ship's middle and elevation of its lights."""
+    return " ".join(
+        f"{each.colour}:{MINUTES * each.beside:.1f}:{MINUTES * each.elevation:.1f}"
+        for each in sight.lamps
+    )
+
+
+def of_sight(place: int, read: Callable[[Sight], Value], frame: Frame) -> Value:
+    """Return something of a ship in sight, None where there is none."""
+    found = sights(frame)
+    return read(found[place]) if place < len(found) else None
+
+
+def sight_fields(place: int) -> tuple[Field, ...]:
+    """Return what is seen of one ship."""
+    name = f"ship_{place + 1}"
+    parts: tuple[tuple[str, str, int, Callable[[Sight], Value]], ...] = (
+        (name, "", 0, lambda sight: sight.type),
+        (f"{name}_train", "deg", 3, lambda sight: math.degrees(sight.train)),
+        (f"{name}_bottom", "min", 2, lambda sight: MINUTES * sight.bottom),
+        (f"{name}_top", "min", 2, lambda sight: MINUTES * sight.top),
+        (f"{name}_aspect", "deg", 0, lambda sight: math.degrees(sight.aspect)),
+        (f"{name}_span", "min", 1, lambda sight: MINUTES * sight.span),
+        (f"{name}_lights", "", 0, lamps),
+    )
+    return tuple(
+        Field(field, unit, decimals, partial(of_sight, place, read), packed=True)
+        for field, unit, decimals, read in parts
+    )
+
+
+def looks(frame: Frame) -> bool:
+    """Return whether the optics are out of their well."""
+    stands = mast(frame)
+    return stands is not None and stands.out >= SHOWS
+
+
+def head(frame: Frame) -> Value:
+    """Return the height [m] of the head over the mean water. None: nobody looks."""
+    over = eye(frame) if looks(frame) else None
+    return None if over is None else over + frame["eta_wave"]
+
+
+def of_swell(read: Callable[[Swell], Value]) -> Callable[[Frame], Value]:
+    """Return how to read something off the waves. None: it is calm, or nobody looks."""
+
+    def value(frame: Frame) -> Value:
+        if not frame["sea_height"] or not looks(frame):
+            return None
+        if "swell" not in frame.kept:
+            frame.kept["swell"] = swell_round(frame.numbers, frame.fittings.g)
+        return read(frame.kept["swell"])
+
+    return value
+
+
+def exposed(frame: Frame, *, raised: bool) -> Value:
+    """Return how long [s] the head has shown, in all or since it was raised."""
+    scope = periscope(frame)
+    return scope.exposed(frame.tick, raised=raised) if scope else None
+
+
+SCOPE: Final = Channel(
+    "scope",
+    "what is seen through the periscope: angles alone, off the bow, over the horizontal",
+    (
+        Field(
+            "bearing",
+            "deg",
+            1,
+            of_mast(lambda stands, frame: compass(frame.readings.heading + stands.train)),
+        ),
+        Field("train", "deg", 1, of_mast(lambda stands, _: math.degrees(stands.train))),
+        Field("power", "x", 1, of_mast(lambda stands, _: stands.power)),
+        Field("mast", "m", 2, of_mast(lambda stands, _: stands.out)),
+        word("going", of_mast(going)),
+        word("view", of_mast(view)),
+        word("sighted", sighted),
+        *(field for place in range(SHOWN) for field in sight_fields(place)),
+    ),
+)
+SWELL: Final = Channel(
+    "swell",
+    "the waves round the boat, packed for the picture, and the head over their mean",
+    (
+        Field("head", "m", 3, head, packed=True),
+        Field("pitch", "deg", 2, lambda frame: math.degrees(frame["theta"]), packed=True),
+        Field("heel", "deg", 2, lambda frame: math.degrees(frame["phi"]), packed=True),
+        Field("height", "m", 3, of_swell(lambda swell: swell.height), packed=True),
+        Field("number", "1/m", 6, of_swell(lambda swell: swell.number), packed=True),
+        Field("rate", "rad/s", 5, of_swell(lambda swell: swell.omega), packed=True),
+        Field(
+            "towards", "deg", 2, of_swell(lambda swell: math.degrees(swell.towards)), packed=True
+        ),
+        Field("ahead", "m/s", 2, of_swell(lambda swell: swell.ahead), packed=True),
+        Field("right", "m/s", 2, of_swell(lambda swell: swell.right), packed=True),
+        Field("clock", "-", 4, of_swell(lambda swell: swell.clock), packed=True),
+        Field("drift", "rad", 4, of_swell(lambda swell: swell.drift), packed=True),
+        Field("groups", "", 0, of_swell(Swell.packed_groups), packed=True),
+        Field("waves", "", 0, of_swell(Swell.packed_waves), packed=True),
+    ),
+)
+LOOKOUT: Final = Channel(
+    "lookout",
+    "the truth of the periscope: its head over the waves, what it sees, and how long it showed",
+    (
+        Field("eye", "m", 1, eye),
+        Field("mast", "m", 1, of_mast(lambda stands, _: stands.out)),
+        Field("ships", "-", 0, lambda frame: float(len(sights(frame)))),
+        Field("nearest", "m", 0, lambda frame: of_sight(0, lambda each: each.distance, frame)),
+        Field("exposed_raise", "s", 1, partial(exposed, raised=True)),
+        Field("exposed", "s", 1, partial(exposed, raised=False)),
+    ),
+)
+PERISCOPE: Final = (SCOPE, SWELL, LOOKOUT)

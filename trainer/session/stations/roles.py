@@ -35,7 +35,7 @@ class Control:
     roles: tuple[str, ...]
 
 
-CREW: Final = ("helm", "planes", "pilot", "ballast", "diving")  # who works the boat
+CREW: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")  # who works the boat
 CONTROLS: Final = (
     Control("the rudder is", ("rudder",), ("helm", "pilot")),
     Control("the course is", ("course", "course-by", "course-to"), ("helm", "pilot")),
@@ -51,7 +51,8 @@ CONTROLS: Final = (
     Control("surfacing and diving are", ("surface", "dive"), ("diving",)),
     Control("orders to the crew are", ("order", "tell", "belay"), ("diving",)),
     Control("reports and repeats are", ("report", "aye"), CREW),
-    Control("the record is", ("mark",), ("observer",)),
+    Control("the periscope is", ("scope",), ("scope",)),
+    Control("the record is", ("mark",), ("observer", "scope")),
     Control("to be ready is", ("ready",), CREW),
     Control("the dive from the start is", ("restart",), ("visitor",)),
     Control("the autopilot as a whole is", ("autopilot",), ()),
@@ -101,13 +102,13 @@ def _role(name: str, title: str, *channels: str) -> Role:
 
 PANELS: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
 # what only the instructor sees
-TRUTH: Final = ("motion", "sea", "current", "casualties", "contacts", "ledger")
+TRUTH: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout", "ledger")
 
 INSTRUCTOR: Final = Role(
     "instructor",
     "the instructor's",
     COMMON | ORDERS,
-    ("teletype", "gauges", "orders", *PANELS, "time", *TRUTH),
+    ("teletype", "gauges", "orders", *PANELS, "scope", "swell", "time", *TRUTH),
     frozenset(KINDS),
 )
 ROLES: Final[Mapping[str, Role]] = {
@@ -121,6 +122,7 @@ ROLES: Final[Mapping[str, Role]] = {
         _role("diving", "the diving officer's", "diving", "engine", "tanks", "air", "valves"),
         _role("observer", "an observer's", *PANELS),
         _role("visitor", "a visitor's", "diving"),
+        _role("scope", "the periscope's", "scope", "swell"),
     )
 }
 

@@ -1,9 +1,10 @@
 """A display's view of one tick. It is made of a state's bytes, apart from the boat."""
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -77,6 +78,7 @@ class Frame:
     readings: Readings
     pace: Pace
     summary: Callable[[], Summary]
+    kept: dict[str, Any] = field(default_factory=dict)  # what is worth finding once
 
     def __getitem__(self, name: str) -> float:
         return self.numbers[PLACES[name]]
@@ -99,6 +101,12 @@ class Frame:
     def seconds(self) -> float:
         """Return the time [s] since the start."""
         return self["tick"] * self.boat.method.step
+
+    def height(self, x: float, z: float) -> float:
+        """Return the height [m] over the waves of a point in body axes."""
+        pitch, heel = self["theta"], self["phi"]
+        lifted = x * math.sin(pitch) - z * math.cos(pitch) * math.cos(heel)
+        return lifted - self["z"] - self["eta_wave"]
 
     @property
     def truth(self) -> Readings:

@@ -76,4 +76,5 @@ export const PLACES = {
   stern: ["diving.stern", "diving.ordered_stern"],
   bow: ["diving.bow", "diving.ordered_bow"],
   turns: ["engine.rpm", "engine.ordered_rpm"],
+  mast: ["lookout.mast"],
 };

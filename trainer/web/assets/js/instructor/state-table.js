@@ -15,6 +15,7 @@ import { paced } from "./desk.js";
  * @property {number} [band] apart by more, it is marked
  * @property {[string, string]} [sides] of what is apart
  * @property {boolean} [turns]
+ * @property {(moment: Desk["moment"]) => string} [also] what is told beside it, "" where it rests
  * @property {[string, string]} [gauge] its reading, and how casualties of that gauge begin
  */
 
@@ -45,7 +46,15 @@ const ROWS = [
   { name: "Stern planes", of: "stern", says: planes, band: 3, sides: ["dive", "rise"] },
   { name: "Bow planes", of: "bow", says: planes, band: 3, sides: ["dive", "rise"] },
   { name: "Turns, rpm", of: "turns", says: (value) => signed(value, 0) },
+  { name: "Periscope, m", of: "mast", says: (value) => `${value.toFixed(1)} out`, also: shows },
 ];
+
+/** Returns how high the periscope's head is, and how long it has shown. @param {Desk["moment"]} moment */
+function shows(moment) {
+  const [eye, mast, exposed] = ["eye", "mast", "exposed"].map((name) => moment.number(`lookout.${name}`));
+  const head = mast && eye !== null ? `head ${signed(eye, 1)}, ` : "";
+  return exposed || mast ? `${head}shown ${(exposed ?? 0).toFixed(0)} s` : "";
+}
 
 /** Fills the table, and keeps it filled. @param {Desk} desk */
 export function showState(desk) {
@@ -74,7 +83,9 @@ export function showState(desk) {
 function fillRow({ moment, session }, { row, line, cells }) {
   const [place, ...orders] = PLACES[row.of];
   const [is, told] = [moment.number(place), moment.first(...orders)];
-  line.hidden = is === null && !moment.looking && session.tickAt > 0;
+  const also = row.also?.(moment) ?? "";
+  const rests = Boolean(row.also) && !also;
+  line.hidden = (is === null || rests) && !moment.looking && session.tickAt > 0;
   const apart = is === null || told === null ? null : difference(is, told, row.turns);
   write(cells[0], is === null ? "" : row.says(is));
   write(cells[1], told === null ? "" : (row.orders ?? row.says)(told));
@@ -84,7 +95,7 @@ function fillRow({ moment, session }, { row, line, cells }) {
   line.toggleAttribute("data-lies", lies);
   const says = apart === null || !row.sides ? "" : sided(apart, ...row.sides);
   const shown = row.gauge ? session.number(row.gauge[0]) : null;
-  write(cells[2], lies && shown !== null ? `GAUGE \u25cb ${row.says(shown)}` : says === "0.0" ? "" : says);
+  write(cells[2], lies && shown !== null ? `GAUGE \u25cb ${row.says(shown)}` : says === "0.0" ? "" : says || also);
 }
 
 /** Whether the crew's gauge of this is broken. @param {Desk["session"]} session @param {Row} row */

@@ -31,12 +31,12 @@ export class Motion extends EventTarget {
     session.on("tick", () => this.take());
   }
 
-  /** Begins to draw, twenty times a second, never while the page is hidden. */
-  start() {
+  /** Begins to draw, never while the page is hidden. @param {number} [every] [ms] */
+  start(every = FRAME) {
     Object.assign(document, { motion: this }); // where it is found by who measures its cost
     setInterval(() => {
       if (!document.hidden) requestAnimationFrame((now) => this.frame(now));
-    }, FRAME);
+    }, every);
   }
 
   /** Takes a reading: where the told rate is secret, the last two readings give one. */

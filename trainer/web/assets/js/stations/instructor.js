@@ -28,7 +28,7 @@ import { Link } from "../protocol/link.js";
 
 const CHANNELS = [
   ...["motion", "gauges", "orders", "steering", "engine", "diving", "tanks", "air", "valves"],
-  ...["time", "sea", "current", "casualties", "contacts", "ledger"],
+  ...["time", "sea", "current", "casualties", "contacts", "lookout", "ledger"],
 ];
 const AWAY = ["connecting", "lost", "role"]; // states in which nothing can be ordered
 

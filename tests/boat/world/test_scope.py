@@ -1,0 +1,318 @@
+"""The periscope: horizon and angles, the mast's way by orders alone, and what counts as shown."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from trainer.analysis.debrief.scoring import attain
+from trainer.analysis.debrief.trajectory import COLUMNS, Trajectory
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.boat.world.contacts import contacts_in
+from trainer.boat.world.scope import (
+    HIGH,
+    LOW,
+    MINUTE,
+    Eye,
+    Mast,
+    Periscope,
+    Sight,
+    dip,
+    elevation,
+    eye_height,
+    hidden,
+    horizon,
+    look_at,
+    periscope_of,
+    stadimeter,
+)
+from trainer.config.contacts import TYPES
+from trainer.config.exercise import Limits, parse_exercise
+from trainer.config.vessel import parse_vessel
+from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.recording.recording import Noted
+from trainer.session.options import RunOptions
+from trainer.session.plan import plan_run
+from trainer.session.stations.channels import CHANNELS
+from trainer.session.stations.view import Frame, Pace, Picture, StateReader
+from trainer.session.time.ledger import Ledger
+
+HEAD = 'schema = "exercise/1"\nname = "Look"\nbriefing = "Look."\nduration_s = 600\n'
+START = "[initial]\nspeed_kn = {speed}\ndepth_m = {depth}\ncourse_deg = 0\n"
+TANKER = '[[contact]]\nname = "big"\ntype = "tanker"\npoints = [[2000, 1000]]\ncourse_deg = 90\n'
+UP = 16  # [ticks] of 0.5 s in which BB2's mast comes out
+
+
+def at_sea(folder: Path, tables: str = "", depth: float = 17.5, speed: float = 5.0) -> Boat:
+    """Return a boat under way north among the ships of an exercise."""
+    path = folder / "look.toml"
+    path.write_text(HEAD + START.format(speed=speed, depth=depth) + tables)
+    plan = plan_run(RunOptions(exercise=str(path)))
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    return boat
+
+
+def order_of(text: str) -> Order:
+    order = parse(text)
+    assert isinstance(order, Order)
+    return order
+
+
+def give(boat: Boat, text: str) -> str:
+    """Return how a boat answers an order; refusals begin with one."""
+    reply = obey(boat, order_of(text))
+    return f"refused: {reply.reason}" if isinstance(reply, Refused) else reply
+
+
+def scope_of(boat: Boat) -> Periscope:
+    scope = periscope_of(boat)
+    assert scope is not None
+    return scope
+
+
+def fly(boat: Boat, ticks: int) -> None:
+    for _ in range(ticks):
+        assert boat.tick() == 0
+
+
+def frame_of(boat: Boat) -> Frame:
+    """Return what a page's channels are read off."""
+    reader = StateReader(boat, Ledger(boat.method.step).summary)
+    return reader.frame(Picture(boat.ticks, boat.plain.tobytes(), Pace()))
+
+
+def shown(boat: Boat, channel: str) -> dict[str, str]:
+    """Return the fields of a channel that have a value."""
+    frame = frame_of(boat)
+    return {
+        field.name: field.text(frame) for field in CHANNELS[channel].fields if field.text(frame)
+    }
+
+
+def ship(north: float, east: float, course: float = 0.0, kind: str = "tanker") -> Any:
+    """Return a ship without lights."""
+    found = TYPES[kind]
+    sizes = {"length": found.length, "beam": found.beam, "mast": found.mast}
+    place = {"north": north, "east": east, "course": course}
+    return SimpleNamespace(name="big", type=kind, lights=(), **place, **sizes)
+
+
+def test_the_horizon_is_bowditch_s() -> None:
+    assert horizon(1.9) == pytest.approx(5408.0, abs=0.5)
+    assert dip(1.9) / MINUTE == pytest.approx(2.42, abs=0.005)
+    assert hidden(10_000.0, 1.9) == pytest.approx(1.37, abs=0.005)
+    assert hidden(5000.0, 1.9) == 0.0
+    # what the horizon touches at its own distance is seen where the horizon is
+    assert elevation(0.0, horizon(1.9), 1.9) == pytest.approx(-dip(1.9), rel=1e-9)
+
+
+def test_a_ship_is_seen_by_its_angles_and_hidden_by_the_horizon() -> None:
+    eye = Eye(0.0, 0.0, 1.9, math.radians(30.0))
+    sight = look_at(ship(0.0, 3000.0, course=math.radians(180.0)), eye)
+    assert sight is not None
+    assert math.degrees(sight.train) == pytest.approx(60.0)
+    assert math.degrees(sight.aspect) == pytest.approx(90.0)  # goes south: her starboard side
+    assert sight.top == pytest.approx((40.0 - 1.9) / 3000.0 - 3000.0 / (2 * 7695e3), abs=1e-7)
+    assert sight.bottom == pytest.approx(elevation(0.0, 3000.0, 1.9))
+    far = look_at(ship(20_000.0, 0.0), eye)
+    assert far is not None
+    assert far.bottom == pytest.approx(-dip(1.9), rel=1e-3)
+    assert look_at(ship(40_000.0, 0.0), eye) is None
+    assert look_at(ship(3000.0, 0.0), eye._replace(height=-0.1)) is None
+
+
+@pytest.mark.parametrize(
+    ("course", "colours"),
+    [(150, "green white white"), (210, "red white white"), (0, "white"), (60, "white")],
+)
+def test_lights_show_in_their_sectors(course: int, colours: str, tmp_path: Path) -> None:
+    under_way = TANKER.replace("= 90", f'= {course}\nstatus = "under way"').replace("1000]", "0]")
+    contacts = contacts_in(at_sea(tmp_path, under_way))
+    assert contacts is not None
+    (big,) = contacts.seen(0)
+    near = look_at(big, Eye(0.0, 0.0, 1.9, 0.0))
+    assert near is not None
+    assert " ".join(sorted(each.colour for each in near.lamps)) == colours
+    far = look_at(big, Eye(-13_000.0, 0.0, 12.0, 0.0))
+    assert far is not None
+    assert far.lamps == ()  # beyond six miles
+
+
+def test_the_stadimeter_measures_in_steps() -> None:
+    sight = look_at(ship(3000.0, 0.0), Eye(0.0, 0.0, 1.9, 0.0))
+    assert isinstance(sight, Sight)
+    exact = 40.0 / (sight.top - sight.bottom)
+    assert stadimeter(40.0, sight, HIGH) == pytest.approx(exact, rel=0.25 / 45.0)
+    apart = sight._replace(top=sight.bottom + 3.2 * MINUTE)
+    assert stadimeter(40.0, apart, LOW) == pytest.approx(40.0 / (4.0 * MINUTE))
+    assert stadimeter(40.0, apart, HIGH) == pytest.approx(40.0 / (3.0 * MINUTE))
+    small = look_at(ship(12_000.0, 0.0, kind="fishing"), Eye(0.0, 0.0, 1.9, 0.0))
+    assert small is not None
+    assert stadimeter(12.0, small._replace(top=small.bottom + 0.9 * MINUTE), LOW) is None
+
+
+def test_the_mast_comes_out_in_its_time_and_turns_back_on_its_way(tmp_path: Path) -> None:
+    boat = at_sea(tmp_path)
+    scope = scope_of(boat)
+    assert give(boat, "scope raise") == "raising scope: up in 8 s"
+    fly(boat, 6)
+    assert scope.at(boat.ticks).out == pytest.approx(3.0)
+    assert give(boat, "scope lower") == "lowering scope: down in 3 s"
+    fly(boat, 4)
+    assert scope.at(boat.ticks).out == pytest.approx(1.0)
+    give(boat, "scope raise")
+    fly(boat, UP)
+    assert scope.at(boat.ticks).out == 8.0
+    assert scope.at(boat.ticks).raised == 2
+    boat.state.z, boat.state.theta, boat.state.phi = 17.5, 0.0, 0.0
+    assert eye_height(boat) == pytest.approx(1.9, abs=0.05)
+
+
+def test_train_and_power_are_as_ordered(tmp_path: Path) -> None:
+    boat = at_sea(tmp_path)
+    give(boat, "scope train 045")
+    give(boat, "scope power 6")
+    assert scope_of(boat).at(boat.ticks)[3:5] == (math.radians(45.0), 6.0)
+    boat.state.psi = math.radians(350.0)
+    assert shown(boat, "scope")["bearing"] == "35.0"
+
+
+def test_the_mast_follows_from_the_orders_alone(tmp_path: Path) -> None:
+    boat = at_sea(tmp_path)
+    given = [(0, "scope raise"), (9, "scope train 90"), (12, "scope lower"), (14, "scope power 6")]
+    stood = []
+    for tick in range(24):
+        for at, text in given:
+            if at == tick:
+                give(boat, text)
+        stood.append(scope_of(boat).at(boat.ticks))
+        fly(boat, 1)
+    again = at_sea(tmp_path, speed=9.0)  # another state, in which an order would be doubted
+    again.world.settle([(tick, order_of(text)) for tick, text in given])
+    assert [scope_of(again).at(tick) for tick in range(24)] == stood
+    again.world.settle([])
+    assert scope_of(again).at(24) == Mast(tick=24)
+
+
+def test_a_boat_without_a_periscope_says_so(make_boat: Callable[..., Boat]) -> None:
+    boat = make_boat("remus100")
+    assert periscope_of(boat) is None
+    refused = Periscope(boat, {}).obey(order_of("scope raise"), 0)
+    assert isinstance(refused, Refused)
+    assert refused.reason == "remus100.toml has no periscope"
+    assert math.isnan(eye_height(boat))
+
+
+def test_the_vessel_file_says_what_the_mast_is(tmp_path: Path) -> None:
+    file = at_sea(tmp_path).file
+    text = file.text.replace("extension_m = 8.0", "extension_m = 4.0")
+    scope = parse_vessel(text, file.path).scope
+    assert scope is not None
+    assert (scope.x_m, scope.extension_m, scope.raise_s, scope.speed_kn_max) == (6.0, 4.0, 8.0, 8.0)
+
+
+def test_at_too_high_a_speed_the_mast_shakes_and_measures_nothing(tmp_path: Path) -> None:
+    boat = at_sea(tmp_path, TANKER, speed=9.5)
+    assert give(boat, "scope raise").endswith("9.5 kn is too fast for it, 8 at most")
+    fly(boat, UP)
+    boat.state.z = 17.0
+    give(boat, "scope train 26")
+    assert shown(boat, "scope")["view"] == "shakes"
+    assert give(boat, "scope range 40") == "refused: the mast shakes: nothing can be measured"
+
+
+def test_a_range_is_told_with_the_gyro_s_bearing(tmp_path: Path) -> None:
+    boat = at_sea(tmp_path, TANKER)
+    assert give(boat, "scope range 40") == "refused: nothing to measure: no ship in the view"
+    give(boat, "scope raise")
+    give(boat, "scope power 6")
+    fly(boat, UP)
+    give(boat, "scope train 27")
+    said = give(boat, "scope range 40")
+    assert said.startswith("bearing 027: 40 m high, range ")
+    distance = math.hypot(2000.0 - boat.state.x, 1000.0 - boat.state.y)
+    assert float(said.split()[-2]) == pytest.approx(distance, rel=0.02)
+
+
+def test_a_page_is_told_angles_alone_and_nothing_below_the_horizon(tmp_path: Path) -> None:
+    far = TANKER.replace("big", "far").replace("[2000, 1000]", "[60000, 0]")
+    boat = at_sea(tmp_path, TANKER + far)
+    assert shown(boat, "scope")["view"] == "down"
+    assert "ship_1" not in shown(boat, "scope")
+    give(boat, "scope raise")
+    fly(boat, UP)
+    told = shown(boat, "scope")
+    assert told["ship_1"] == "tanker"
+    assert "ship_2" not in told
+    assert told["sighted"] == "tanker 027"
+    units = {field.unit for field in CHANNELS["scope"].fields if field.name.startswith("ship")}
+    assert units == {"", "deg", "min"}
+    assert float(shown(boat, "lookout")["nearest"]) == pytest.approx(2200.0, abs=60.0)
+
+
+def test_the_frame_has_the_height_that_the_core_has(tmp_path: Path) -> None:
+    boat = at_sea(tmp_path, "[sea]\nsea_state = 4\n")
+    give(boat, "scope raise")
+    fly(boat, 40)
+    boat.state.theta, boat.state.phi = 0.1, 0.2
+    scope = scope_of(boat)
+    mast = scope.at(boat.ticks)
+    assert frame_of(boat).height(*scope.head(mast)) == pytest.approx(scope.height(mast), abs=1e-12)
+    assert float(shown(boat, "lookout")["eye"]) == pytest.approx(eye_height(boat), abs=0.05)
+
+
+def flown(boat: Boat, ticks: int, orders: dict[int, str], marks: dict[int, str]) -> Trajectory:
+    """Return the passage of a boat to which orders are given and who is aboard marks."""
+    rows = []
+    for tick in range(ticks + 1):
+        if tick in orders:
+            give(boat, orders[tick])
+        rows.append(boat.numbers(tuple(name for name in COLUMNS if "[" not in name)))
+        if tick < ticks:
+            fly(boat, 1)
+    names = [name for name in COLUMNS if "[" not in name]
+    count = len(rows)
+    columns = dict.fromkeys(COLUMNS, np.zeros(count)) | dict(
+        zip(names, np.array(rows).T, strict=True)
+    )
+    none = np.full(count, np.nan)
+    noted = tuple(Noted(1, tick, "mark", "scope", text, "") for tick, text in marks.items())
+    return Trajectory(boat, Limits(), (), np.arange(count), columns, none, none, noted)
+
+
+def attained(passage: Trajectory, measure: str) -> tuple[float | None, str]:
+    """Return what a measure makes of a passage, and why it has no value."""
+    rule = f'[[scores]]\nname = "It"\nmeasure = "{measure}"\nfull = 0\nzero = 10\n'
+    (only,) = parse_exercise(HEAD + rule, Path("drill.toml")).scores
+    found = attain(passage, only)
+    return found.value, found.why
+
+
+def test_exposure_is_counted_in_all_and_by_the_raise(tmp_path: Path) -> None:
+    boat = at_sea(tmp_path)
+    orders = {0: "scope raise", 30: "scope lower", 50: "scope raise"}
+    passage = flown(boat, 100, orders, {})
+    heights = passage.series("eye")
+    out = np.array([scope_of(boat).at(tick).out > 0.0 for tick in range(101)])
+    wanted = 0.5 * float(np.sum((heights > 0.0) & out))
+    assert attained(passage, "exposed") == (wanted, "")
+    assert 10.0 < (attained(passage, "exposed-raise")[0] or 0.0) < wanted
+    live = scope_of(boat).exposed(100, raised=False)
+    assert live == pytest.approx(wanted, abs=0.5)  # the last tick is not written before it is over
+    assert scope_of(boat).exposed(100, raised=True) < live
+
+
+def test_a_ship_counts_as_detected_from_a_mark_on_its_bearing(tmp_path: Path) -> None:
+    orders = {0: "scope raise"}
+    passage = flown(at_sea(tmp_path, TANKER), 60, orders, {40: "contact 040", 50: "contact 029"})
+    seen = int(np.flatnonzero(passage.series("eye") > 0.0)[0])
+    assert attained(passage, "time-to-detect") == (0.5 * (50 - seen), "")
+    missed = flown(at_sea(tmp_path, TANKER), 60, orders, {40: "contact 040"})
+    assert attained(missed, "time-to-detect") == (None, "big was not marked")
+    assert attained(flown(at_sea(tmp_path), 20, orders, {}), "time-to-detect")[0] is None

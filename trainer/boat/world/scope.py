@@ -1,0 +1,298 @@
+"""The periscope: its mast and optics, and the ships that are seen from its head.
+
+How it stands follows from the orders with their ticks alone. Refraction bends light round the
+earth: N. Bowditch, American Practical Navigator (2019), tables 8 and 12, as a larger earth has it.
+"""
+
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Sequence
+from operator import attrgetter
+from typing import Any, Final, NamedTuple
+
+from trainer.boat.world.contacts import Seen, contacts_in
+from trainer.config.vessel_records import Scope
+from trainer.config.world import WorldTables
+from trainer.core.casualties import instruments
+from trainer.core.sea.free_surface import height_above_water
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.units import KNOT
+
+EARTH: Final = 6371e3 / 0.8279  # [m] radius of an earth round which light would be straight
+MINUTE: Final = math.radians(1.0 / 60.0)
+LOW: Final = 1.5  # [-] powers
+HIGH: Final = 6.0
+FIELDS: Final = {LOW: math.radians(32.0), HIGH: math.radians(8.0)}  # [rad] width of the view
+STEPS: Final = {LOW: 2.0 * MINUTE, HIGH: 0.5 * MINUTE}  # [rad] of the stadimeter: estimate
+SHOWS: Final = 0.5  # [m] out, below which the optics are in their well
+MILE: Final = 1852.0  # [m]
+
+
+class Mast(NamedTuple):
+    """How mast and optics stand at a tick."""
+
+    tick: int = 0
+    up: bool = False
+    out: float = 0.0  # [m]
+    train: float = 0.0  # [rad] off the bow, clockwise
+    power: float = LOW
+    raised: int = 0  # how often it has been ordered up
+
+
+class Eye(NamedTuple):
+    """Place of the head [m], its height over the waves, and the boat's heading [rad]."""
+
+    north: float
+    east: float
+    height: float
+    heading: float
+
+
+class Lamp(NamedTuple):
+    """A light in sight: colour, off the ship's middle and over the horizontal [rad]."""
+
+    colour: str
+    beside: float
+    elevation: float
+
+
+class Sight(NamedTuple):
+    """A ship as it is seen: angles [rad] alone are for everybody."""
+
+    name: str
+    type: str
+    train: float  # off the bow, clockwise, -pi to pi
+    bottom: float  # elevation of the waterline, or of the horizon before it
+    top: float  # elevation of the masthead
+    aspect: float  # off its bow, to starboard positive, of who looks
+    span: float  # of its length, seen abeam
+    lamps: tuple[Lamp, ...]
+    distance: float  # [m] for the truth alone
+
+
+def horizon(eye: float) -> float:
+    """Return the distance [m] of the horizon from a height [m]."""
+    return math.sqrt(2.0 * EARTH * max(eye, 0.0))
+
+
+def dip(eye: float) -> float:
+    """Return how far [rad] the horizon is below the horizontal."""
+    return math.sqrt(2.0 * max(eye, 0.0) / EARTH)
+
+
+def elevation(height: float, distance: float, eye: float) -> float:
+    """Return the elevation [rad] of a height [m] at a distance [m]."""
+    return (height - eye) / distance - distance / (2.0 * EARTH)
+
+
+def hidden(distance: float, eye: float) -> float:
+    """Return the height [m] that the horizon hides at a distance [m]."""
+    beyond = max(distance - horizon(eye), 0.0)
+    return beyond * beyond / (2.0 * EARTH)
+
+
+def look_at(target: Seen, eye: Eye) -> Sight | None:
+    """Return how a ship is seen. None: it is below the horizon, or the head is washed over."""
+    north, east = target.north - eye.north, target.east - eye.east
+    distance = max(math.hypot(north, east), 1.0)
+    if eye.height <= 0.0 or hidden(distance, eye.height) >= target.mast:
+        return None
+    bearing = math.atan2(east, north)
+    aspect = math.remainder(bearing + math.pi - target.course, math.tau)
+    return Sight(
+        name=target.name,
+        type=target.type,
+        train=math.remainder(bearing - eye.heading, math.tau),
+        bottom=elevation(hidden(distance, eye.height), distance, eye.height),
+        top=elevation(target.mast, distance, eye.height),
+        aspect=aspect,
+        span=target.length / distance,
+        lamps=tuple(_lamps(target, aspect, distance, eye.height)),
+        distance=distance,
+    )
+
+
+def _lamps(target: Seen, aspect: float, distance: float, eye: float) -> Iterable[Lamp]:
+    """Yield the lights that show: within their sector and range, over the horizon."""
+    least = hidden(distance, eye)
+    for light in target.lights:
+        width, off = light.ends - light.begins, (aspect - light.begins) % math.tau
+        shows = width >= math.tau or off <= width
+        if shows and distance <= light.range_nm * MILE and light.height > least:
+            beside = light.starboard * math.cos(aspect) - light.ahead * math.sin(aspect)
+            yield Lamp(light.colour, -beside / distance, elevation(light.height, distance, eye))
+
+
+def stadimeter(height: float, sight: Sight, power: float) -> float | None:
+    """Return the distance [m] that a height [m] gives. None: its angle is too small."""
+    step = STEPS[power]
+    steps = round((sight.top - sight.bottom) / step)
+    return height / (steps * step) if steps else None
+
+
+class Periscope:
+    """The part of the world that the order ``scope`` is for."""
+
+    def __init__(self, boat: Any, _tables: WorldTables) -> None:
+        self._boat = boat
+        self._fitted: Scope | None = boat.file.scope
+        self._step: float = boat.method.step
+        self._stood = [Mast()]
+        self._shown: list[int] = []  # ticks at which the head was out of the water
+
+    @property
+    def fitted(self) -> Scope | None:
+        """Return what the vessel file says of it, None for a boat without one."""
+        return self._fitted
+
+    @property
+    def acts(self) -> bool:
+        """Return whether the mast has been ordered up: it may show."""
+        return self._stood[-1].raised > 0
+
+    def write(self, state: Any) -> None:
+        """Write nothing; note that the head is out of the water."""
+        tick = int(state["tick"])
+        while self._shown and self._shown[-1] >= tick:
+            self._shown.pop()
+        mast = self.at(tick)
+        if mast.out > 0.0 and self.height(mast) > 0.0:
+            self._shown.append(tick)
+
+    def exposed(self, tick: int, *, raised: bool) -> float:
+        """Return how long [s] the head has shown up to a tick. ``raised``: in this raise alone."""
+        since = self.raised_at(tick) if raised else 0
+        count = bisect_right(self._shown, tick) - bisect_left(self._shown, since)
+        return max(count, 0) * self._step
+
+    def raised_at(self, tick: int) -> int:
+        """Return the tick at which the mast was ordered up last, else 0."""
+        number = self.at(tick).raised
+        return next((each.tick for each in self._stood if each.raised == number), 0)
+
+    def forget(self) -> None:
+        """Be down, as at the start."""
+        self._stood = [Mast()]
+
+    def at(self, tick: int) -> Mast:
+        """Return how the mast stands after so many ticks."""
+        place = bisect_right(self._stood, tick, key=attrgetter("tick"))
+        last = self._stood[max(place - 1, 0)]
+        if self._fitted is None:
+            return last
+        rate = self._fitted.extension_m / self._fitted.raise_s
+        way = rate * self._step * max(tick - last.tick, 0)
+        out = last.out + way if last.up else last.out - way
+        return last._replace(tick=tick, out=min(max(out, 0.0), self._fitted.extension_m))
+
+    def head(self, mast: Mast) -> tuple[float, float]:
+        """Return where the head is [m], body axes x and z."""
+        place = self._fitted.x_m if self._fitted else float(self._boat.vessel.x_sail)
+        return place, float(self._boat.vessel.z_sail) - mast.out
+
+    def height(self, mast: Mast) -> float:
+        """Return the height [m] of the head over the waves now."""
+        return float(height_above_water(self._boat.records.state, *self.head(mast)))
+
+    def place(self, s: Any, mast: Mast, height: float) -> Eye:
+        """Return where the head is in a state, whose numbers have their names."""
+        heading = float(s["psi"])
+        ahead = self.head(mast)[0] * math.cos(float(s["theta"]))
+        north, east = ahead * math.cos(heading), ahead * math.sin(heading)
+        return Eye(float(s["x"]) + north, float(s["y"]) + east, height, heading)
+
+    def sights(self, eye: Eye, mast: Mast) -> list[Sight]:
+        """Return the ships in sight all round, the nearest first."""
+        if mast.out < SHOWS:
+            return []
+        ships = targets(self._boat, mast.tick)
+        seen = [sight for ship in ships if (sight := look_at(ship, eye))]
+        return sorted(seen, key=attrgetter("distance"))
+
+    def near(self, s: Any, tick: int) -> list[tuple[str, float]]:
+        """Return each ship at a tick and its true bearing [rad], seen or not."""
+        return [
+            (ship.name, math.atan2(ship.east - float(s["y"]), ship.north - float(s["x"])))
+            for ship in targets(self._boat, tick)
+        ]
+
+    def obey(self, order: Order, tick: int) -> Reply:
+        """Raise, lower or train it, change its power, or tell a distance."""
+        if self._fitted is None:
+            return Refused(f"{self._boat.file.path.name} has no periscope")
+        now = self.at(tick)
+        if order.word == "range":
+            return self._range(order.value, now)
+        then, answer = self._changed(order, now, self._fitted)
+        self._stood.append(then)
+        return answer
+
+    def _changed(self, order: Order, now: Mast, fitted: Scope) -> tuple[Mast, str]:
+        """Return how the mast stands by an order, and what is answered."""
+        rate = fitted.extension_m / fitted.raise_s
+        if order.word == "raise":
+            left = (fitted.extension_m - now.out) / rate
+            then = now._replace(up=True, raised=now.raised + (not now.up))
+            return then, f"raising scope: up in {left:.0f} s{self._too_fast()}"
+        if order.word == "lower":
+            return now._replace(up=False), f"lowering scope: down in {now.out / rate:.0f} s"
+        if order.word == "train":
+            return now._replace(train=order.value), order.text
+        power = LOW if order.word == "power_1.5" else HIGH
+        return now._replace(power=power), f"power {power:g}: field {field_of(power):g} deg"
+
+    def _too_fast(self) -> str:
+        """Return a word of warning where the boat is too fast for its mast."""
+        most, speed = self._fitted.speed_kn_max if self._fitted else 0.0, self._boat.state.u / KNOT
+        return f"; {speed:.1f} kn is too fast for it, {most:g} at most" if speed > most else ""
+
+    def _range(self, height: float, mast: Mast) -> Reply:
+        """Return the distance of the ship at the wire by the height of its masthead."""
+        state = self._boat.records.state
+        eye = self.place(self._boat.state, mast, self.height(mast))
+        half = 0.5 * FIELDS[mast.power]
+        off = [
+            (abs(math.remainder(each.train - mast.train, math.tau)), each)
+            for each in self.sights(eye, mast)
+        ]
+        near = [pair for pair in off if pair[0] <= half]
+        if not near:
+            return Refused("nothing to measure: no ship in the view")
+        if self.shakes(float(self._boat.state.u), mast):
+            return Refused("the mast shakes: nothing can be measured")
+        sight = min(near, key=lambda pair: pair[0])[1]
+        distance = stadimeter(height, sight, mast.power)
+        if distance is None:
+            return Refused("too small to measure: come nearer, or take power 6")
+        instruments(state, self._boat.records.scratch)
+        heading = float(self._boat.records.scratch["reading"][0][1])
+        where = round(math.degrees(heading + sight.train)) % 360
+        return f"bearing {where:03d}: {height:g} m high, range {distance:.0f} m"
+
+    def shakes(self, speed: float, mast: Mast) -> bool:
+        """Return whether the mast is out at a speed [m/s] that it does not stand."""
+        most = self._fitted.speed_kn_max * KNOT if self._fitted else math.inf
+        return mast.out >= SHOWS and speed > most
+
+
+def field_of(power: float) -> float:
+    """Return the width [deg] of the view at a power."""
+    return math.degrees(FIELDS[power])
+
+
+def periscope_of(boat: Any) -> Periscope | None:
+    """Return a boat's periscope, None where it has none."""
+    found = boat.world.parts.get("scope")
+    return found if isinstance(found, Periscope) and found.fitted else None
+
+
+def eye_height(boat: Any) -> float:
+    """Return the height [m] of the head over the waves now. NaN for a boat without one."""
+    scope = periscope_of(boat)
+    return scope.height(scope.at(boat.ticks)) if scope else math.nan
+
+
+def targets(boat: Any, tick: int) -> Sequence[Seen]:
+    """Return the ships near a boat at a tick, none where the exercise has none."""
+    contacts = contacts_in(boat)
+    return contacts.seen(tick) if contacts else ()

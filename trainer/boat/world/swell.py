@@ -1,0 +1,209 @@
+"""The waves round the boat: the same sea that moves it, in space.
+
+The cosine sum is exact everywhere. The filters give one elevation, above the boat. There the waves
+round it are those that another boat would meet: run d [m] with the waves, and the bank's clock
+goes back by 2 k d radians of the peak wave while its outputs turn by k d on. Groups then travel at
+half the speed of their waves. What is to come is known, since noise is a function of the step.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cache, lru_cache
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.boat.boat import PLACES
+from trainer.core.kernel import Numbers
+from trainer.core.noise import SEA_BANK, gaussian_pair
+from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BANDS, prepare_sum
+from trainer.core.sea.wave_filter import MODES, PHASE_STEP, WAVE_ROWS
+from trainer.core.state import new_sea
+
+Waves = NDArray[np.complex128]  # real parts: elevations; imaginary ones: a quarter of a period ago
+
+REACH: Final = 160  # internal steps of the filter before the boat and behind it
+MEMORY: Final = 900  # of them, after which e^-18 of the slowest mode is left
+BLOCK: Final = 64  # outputs that are found at once
+LARGEST: Final = 6.0  # [-] of an output of variance 1, as it is packed
+DIGITS: Final = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
+FASTEST: Final = 8.0  # [-] frequency over the peak's, as it is packed
+HALF: Final = (MEMORY + BLOCK) // 2  # pairs of noise that a block needs
+COSINES: Final = np.repeat(ANGLE_COS, BANDS)
+SINES: Final = np.repeat(ANGLE_SIN, BANDS)
+
+
+class Swell(NamedTuple):
+    """The waves at a tick. A wave's phase at the boat, its number over the peak's, its height."""
+
+    height: float  # [m] significant
+    number: float  # [1/m] of the peak wave
+    omega: float  # [rad/s]
+    towards: float  # [rad] off the bow, where the waves go
+    ahead: float  # [m/s] through the water
+    right: float
+    clock: float  # [-] internal steps since the middle one of the groups
+    drift: float  # [rad] by which the groups' outputs have been turned
+    groups: Waves  # outputs [-] of the filters by internal step
+    phases: Numbers  # [rad] of the cosines
+    relative: Numbers  # [-] their frequencies over the peak's
+    amplitudes: Numbers  # [-]
+
+    def level(self, ahead: float, right: float) -> float:
+        """Return the level [m] at a place so far [m] ahead and to the right."""
+        along = ahead * math.cos(self.towards) + right * math.sin(self.towards)
+        across = right * math.cos(self.towards) - ahead * math.sin(self.towards)
+        return 0.25 * self.height * (self._of_groups(along) + self._of_cosines(along, across))
+
+    def _of_groups(self, along: float) -> float:
+        """Return the filters' elevation [-] so far [m] along the waves' way."""
+        if not self.groups.size:
+            return 0.0
+        phase = self.number * along
+        place = self.clock - 2.0 * phase / PHASE_STEP + REACH
+        turned = between(self.groups, place) * np.exp(1j * (self.drift + phase))
+        return float(turned.real)
+
+    def _of_cosines(self, along: float, across: float) -> float:
+        """Return the cosine sum's elevation [-] at a place [m] along and across."""
+        met = self.number * (along * COSINES + across * SINES)
+        phases = self.phases - self.relative**2 * met if self.phases.size else self.phases
+        return float(np.sum(self.amplitudes * np.cos(phases)))
+
+    def packed_groups(self) -> str | None:
+        """Return the groups, two numbers of two digits each."""
+        parts = np.stack([self.groups.real, self.groups.imag], axis=1).ravel()
+        return packed(parts / LARGEST, 2) or None
+
+    def packed_waves(self) -> str | None:
+        """Return phase, frequency and amplitude of each cosine in three digits each."""
+        turns = np.remainder(self.phases / math.tau, 1.0)
+        rows = np.stack([turns, self.relative / FASTEST, self.amplitudes], axis=1)
+        return packed(rows.ravel(), 3) or None
+
+
+def packed(values: Numbers, count: int) -> str:
+    """Return numbers from -1 to 1 in so many digits each."""
+    most = len(DIGITS) ** count
+    whole = np.clip(np.floor((values + 1.0) * 0.5 * most), 0, most - 1).astype(int)
+    places = [len(DIGITS) ** place for place in reversed(range(count))]
+    return "".join(DIGITS[each // place % len(DIGITS)] for each in whole for place in places)
+
+
+def between(values: Waves, place: float) -> complex:
+    """Return what lies between two of the values, by the core's cubic."""
+    first = min(max(math.floor(place), 1), values.size - 3)
+    f = place - first
+    before, after, beyond = f + 1.0, f - 1.0, f - 2.0
+    early = -f * after * beyond / 6.0 * values[first - 1]
+    early += before * after * beyond / 2.0 * values[first]
+    late = -before * f * beyond / 2.0 * values[first + 1]
+    return complex(early + late + before * f * after / 6.0 * values[first + 2])
+
+
+def swell_round(numbers: Sequence[float], g: float) -> Swell:
+    """Return the waves round the boat whose state has these numbers, by their PLACES."""
+
+    def at(name: str) -> float:
+        return numbers[PLACES[name]]
+
+    number = at("sea_omega") ** 2 / g
+    heading = at("psi")
+    north, east = at("through_north"), at("through_east")
+    return Swell(
+        at("sea_height"),
+        number,
+        at("sea_omega"),
+        at("sea_direction") - heading,
+        north * math.cos(heading) + east * math.sin(heading),
+        east * math.cos(heading) - north * math.sin(heading),
+        at("sea_clock") if at("sea_1969") < 1.0 else 0.0,
+        at("sea_drift"),
+        _groups(numbers, at),
+        *_cosines(at),
+    )
+
+
+def _cosines(at: Callable[[str], float]) -> tuple[Numbers, Numbers, Numbers]:
+    """Return phases above the boat, frequencies and amplitudes of the cosine sum, if it is used."""
+    share = at("sea_cosines")
+    if share <= 0.0:
+        return np.empty(0), np.empty(0), np.empty(0)
+    start, relative, amplitudes = components(at("sea_gamma"), at("seed"))
+    met = at("sea_along") * COSINES + at("sea_across") * SINES
+    phases = start + relative * at("sea_turned") - relative**2 * met
+    return phases, relative, math.sqrt(share) * amplitudes
+
+
+@lru_cache(4)
+def components(gamma: float, seed: float) -> tuple[Numbers, Numbers, Numbers]:
+    """Return starting phases, frequencies and amplitudes of the cosine sum."""
+    record = new_sea()
+    prepare_sum(gamma, seed, record)
+    work = record[0]
+    return work.phase_start.copy(), work.relative.copy(), work.amplitude.copy()
+
+
+def _groups(numbers: Sequence[float], at: Callable[[str], float]) -> Waves:
+    """Return the filters' outputs by internal step, REACH of them on either side of the boat."""
+    left = 1.0 - at("sea_cosines")
+    if left <= 0.0:
+        return np.empty(0, complex)
+    old = at("sea_1969")
+    found = math.sqrt(left * old) * _endless(at)
+    if old < 1.0:
+        found = found + math.sqrt(left * (1.0 - old)) * _of_banks(numbers, at)
+    return found
+
+
+def _endless(at: Callable[[str], float]) -> Waves:
+    """Return the outputs of 1969's filter as those of an endless swell, which the forces take."""
+    here = complex(at("sea_elevation"), at("sea_quadrature"))
+    steps = np.arange(-REACH, REACH)
+    return np.asarray(here * np.exp(1j * (PHASE_STEP * steps - at("sea_drift"))))
+
+
+def _of_banks(numbers: Sequence[float], at: Callable[[str], float]) -> Waves:
+    """Return the outputs of both banks; those that the core has are its own."""
+    middle = int(at("sea_steps")) - 3
+    peaked, seed = at("sea_peaked"), int(at("seed"))
+    shares = math.sqrt(1.0 - peaked), math.sqrt(peaked)
+    found = np.zeros(2 * REACH, complex)
+    for bank, share in enumerate(shares):
+        if share > 0.0:
+            found += share * outputs(seed, bank, middle - REACH, middle + REACH)
+    for step in range(middle - 1, middle + 3):
+        place = PLACES["sea_past"] + 4 * (step & 3)
+        found[step - middle + REACH] = complex(numbers[place], numbers[place + 1])
+    return found
+
+
+def outputs(seed: int, bank: int, first: int, last: int) -> Waves:
+    """Return the outputs of a bank at the internal steps from ``first`` to before ``last``."""
+    blocks = range(first // BLOCK, -(-last // BLOCK))
+    whole = np.concatenate([_block(seed, bank, block) for block in blocks])
+    return whole[first - blocks[0] * BLOCK :][: last - first]
+
+
+@lru_cache(64)
+def _block(seed: int, bank: int, block: int) -> Waves:
+    """Return the outputs of a bank at BLOCK internal steps."""
+    first = block * BLOCK - MEMORY
+    noise = np.array(
+        [
+            gaussian_pair(seed, SEA_BANK + bank, pair)
+            for pair in range(first // 2, first // 2 + HALF)
+        ]
+    ).ravel()
+    return np.convolve(noise, _response(bank), "valid")
+
+
+@cache
+def _response(bank: int) -> Waves:
+    """Return the outputs of a bank by the steps since a single noise of 1."""
+    factors = MODES[bank, 0] + 1j * MODES[bank, 1]
+    powers = factors ** np.arange(MEMORY + 1)[:, None]
+    parts = np.concatenate([powers.real, powers.imag], axis=1)
+    rows = WAVE_ROWS[bank]
+    return np.asarray(parts @ rows[:, 0] + 1j * (parts @ rows[:, 1]))

@@ -1,0 +1,235 @@
+// What is seen through the periscope: sky, sea and ships, the wires, and water on the glass.
+import { Chart, stroke } from "../charts/chart.js";
+import { Sea } from "./sea.js";
+import { Water } from "./water.js";
+import { bearing } from "../draw.js";
+import { distanceOf, drawShip } from "./ships.js";
+import { drawBubbles, drawDrops, drawSky } from "./glass.js";
+
+const DEGREE = Math.PI / 180;
+const MINUTE = DEGREE / 60;
+const EARTH = 6371e3 / 0.8279; // [m] as the session has it
+const DROPS = 1.5; // [s] on the glass after it was washed over
+const WINDOW = 0.12; // [m] half the height of the glass
+/** @type {Record<string, number>} width of the view [rad] by power */
+const FIELDS = { 1.5: 32 * DEGREE, 6: 8 * DEGREE };
+const OVERLAP = 1.06; // of what is drawn over what is seen, for a view that rolls
+
+/**
+ * @typedef {import("./ships.js").Sight} Sight
+ * @typedef {import("./water.js").Colours & { high: string, low: string, ship: number, lamps: boolean,
+ *   under: string, wire: string, stars: boolean }} Light of a time of day
+ * @typedef {object} Scene what there is to see
+ * @property {string} view down, washed, shakes, clear, or "" where there is no periscope
+ * @property {string} words where nothing is seen
+ * @property {number} power
+ * @property {number} train [rad]
+ * @property {number} bearing [deg] under the wire
+ * @property {number} head [m] over the mean water
+ * @property {number} roll [rad] of the boat as it is seen that way, clockwise
+ * @property {number} seconds of the boat's time
+ * @property {Sight[]} ships
+ * @property {boolean} still nothing is to move by itself
+ */
+
+/** @type {Record<string, Light>} */
+const LIGHTS = {
+  day: {
+    ...{ high: "#6f9dc4", low: "#dfe9ee", far: "#a9bfc9", dark: "#14424f", mean: "#2f6a78" },
+    ...{ light: "#8fb3bb", foam: "#ffffff", under: "#1e6a66", wire: "#101418" },
+    ...{ ship: 1, lamps: false, stars: false },
+  },
+  dusk: {
+    ...{ high: "#26405f", low: "#e3a276", far: "#8d7f80", dark: "#0d1f2b", mean: "#2b4553" },
+    ...{ light: "#a08d86", foam: "#e8dcd3", under: "#123f44", wire: "#0b0d10" },
+    ...{ ship: 0.42, lamps: true, stars: false },
+  },
+  night: {
+    ...{ high: "#04060b", low: "#151c28", far: "#10161f", dark: "#020406", mean: "#0a1017" },
+    ...{ light: "#1d2733", foam: "#4a5765", under: "#03100f", wire: "#8c2019" },
+    ...{ ship: 0.06, lamps: true, stars: true },
+  },
+};
+
+/** `<scope-view label>`: `show(scene)` draws; `sea` has the waves. */
+class ScopeView extends Chart {
+  constructor() {
+    super();
+    this.sea = new Sea();
+    this.water = new Water();
+    /** @type {Scene | null} */
+    this.scene = null;
+    this.mask = document.createElement("canvas");
+    this.washed = -Infinity; // [s] when the glass was last under water
+    this.eye = 0; // [m] over the waves
+  }
+
+  /** @param {Scene} scene */
+  show(scene) {
+    this.scene = scene;
+    this.draw();
+  }
+
+  draw() {
+    const { scene } = this;
+    const area = scene && this.begin();
+    if (!scene || !area) return;
+    const { pen, width, height } = area;
+    const radius = 0.5 * Math.min(width, height) - 2;
+    const light = LIGHTS[document.documentElement.dataset.palette ?? "dusk"] ?? LIGHTS.dusk;
+    const shown = scene.view === "" || scene.view === "down" ? "dark" : this.look(scene, area, radius, light);
+    this.dataset.view = shown;
+    if (shown === "dark") this.tell(area, scene.words);
+    else {
+      wires(area, scene, radius, light);
+      pen.drawImage(this.tube(width, height, radius), 0, 0, width, height);
+    }
+  }
+
+  /** Draws what is seen; returns what is in its way. @param {Scene} scene @param {import("../charts/chart.js").Area} area @param {number} radius @param {Light} light */
+  look(scene, { pen, width, height }, radius, light) {
+    const level = this.sea.level(0, 0);
+    this.eye = scene.head - level;
+    const field = FIELDS[scene.power] ?? FIELDS[1.5];
+    const scale = (2 * radius) / field;
+    pen.save();
+    pen.translate(0.5 * width, 0.5 * height);
+    pen.rotate(scene.roll + (scene.view === "shakes" ? 0.03 * Math.sin(41 * scene.seconds) : 0));
+    if (scene.view === "shakes") pen.translate(0, 0.02 * radius * Math.sin(53 * scene.seconds));
+    const eye = Math.max(this.eye, 0.05);
+    const reach = radius * 1.05;
+    drawSky(pen, { scene, light, scale, reach, field });
+    const outlook = {
+      ...{ pen, eye, level, train: scene.train, field: field * OVERLAP, centre: 0, horizontal: 0 },
+      ...{ scale, foot: reach, colours: light, seconds: scene.still ? 0 : scene.seconds },
+    };
+    this.distant(pen, eye, scale, reach, light);
+    this.water.draw(this.sea, outlook, this.among(scene, pen, scale, light, eye));
+    pen.restore();
+    return this.onGlass(scene, pen, [0.5 * width, 0.5 * height, radius], light);
+  }
+
+  /** Draws the sea between the last range and the horizon. @param {CanvasRenderingContext2D} pen @param {number} eye @param {number} scale @param {number} reach @param {Light} light */
+  distant(pen, eye, scale, reach, light) {
+    const dip = Math.sqrt((2 * eye) / EARTH) * scale;
+    pen.fillStyle = light.far;
+    pen.fillRect(-reach, dip, 2 * reach, reach);
+  }
+
+  /** Returns the ships as they are to be drawn among the waves, the nearest first. @param {Scene} scene @param {CanvasRenderingContext2D} pen @param {number} scale @param {Light} light @param {number} eye */
+  among(scene, pen, scale, light, eye) {
+    const canvas = {
+      ...{ pen, light: light.ship, haze: light.low, lamps: light.lamps },
+      x: (/** @type {number} */ beside) => beside * scale,
+      y: (/** @type {number} */ elevation) => -elevation * scale,
+    };
+    const field = FIELDS[scene.power] ?? FIELDS[1.5];
+    const seen = scene.ships.flatMap((ship) => {
+      const train = turned(ship.train - scene.train);
+      return Math.abs(train) < 0.6 * field + ship.span ? [{ ...ship, train }] : [];
+    });
+    this.dataset.ships = String(seen.length);
+    return seen
+      .map((ship) => ({ distance: nearness(ship, eye), draw: () => drawShip(canvas, ship) }))
+      .toSorted((one, other) => one.distance - other.distance);
+  }
+
+  /** Draws water on the glass; returns what is in the way. @param {Scene} scene @param {CanvasRenderingContext2D} pen @param {number[]} circle @param {Light} light */
+  onGlass(scene, pen, circle, light) {
+    const { seconds } = scene;
+    const covered = Math.min(Math.max(0.5 - this.eye / (2 * WINDOW), 0), 1);
+    if (covered > 0) this.washed = seconds;
+    if (covered > 0) drawBubbles(pen, circle, { covered, light, seconds, depth: Math.max(-this.eye, 0) });
+    if (covered >= 1) return "washed";
+    const since = seconds - this.washed;
+    if (since >= 0 && since < DROPS) {
+      drawDrops(pen, circle, 1 - since / DROPS, scene.still ? 0 : since);
+      return "drops";
+    }
+    return scene.view;
+  }
+
+  /** Returns the black tube round the view, drawn once for a size. @param {number} width @param {number} height @param {number} radius */
+  tube(width, height, radius) {
+    const { mask } = this;
+    const [wide, high] = [Math.round(width), Math.round(height)];
+    if (mask.width === wide && mask.height === high) return mask;
+    [mask.width, mask.height] = [wide, high];
+    const pen = mask.getContext("2d");
+    if (!pen) return mask;
+    const [x, y] = [0.5 * width, 0.5 * height];
+    const shade = pen.createRadialGradient(x, y, 0.9 * radius, x, y, radius);
+    shade.addColorStop(0, "#00000000");
+    shade.addColorStop(1, "#000000");
+    pen.fillStyle = shade;
+    pen.fillRect(0, 0, width, height);
+    return mask;
+  }
+
+  /** Writes words where nothing is seen. @param {import("../charts/chart.js").Area} area @param {string} words */
+  tell({ pen, width, height, size, face }, words) {
+    pen.fillStyle = "#d8d8d4";
+    pen.font = `500 ${size * 1.5}px ${face}`;
+    pen.textAlign = "center";
+    pen.fillText(words, 0.5 * width, 0.5 * height);
+  }
+}
+
+/** Returns an angle from -pi to pi. @param {number} angle */
+export function turned(angle) {
+  return angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
+}
+
+/** Returns how far away a ship is, by its waterline where that is seen [m]. @param {Sight} ship @param {number} eye */
+function nearness(ship, eye) {
+  const below = -ship.bottom;
+  const left = below * below - (2 * eye) / EARTH;
+  return left > 1e-9 ? EARTH * (below - Math.sqrt(left)) : distanceOf(ship);
+}
+
+/** Draws the wires, and the bearings under them. @param {import("../charts/chart.js").Area} area @param {Scene} scene @param {number} radius @param {Light} light */
+function wires({ pen, width, height, size, face }, scene, radius, light) {
+  const [x, y] = [0.5 * width, 0.5 * height];
+  const scale = (2 * radius) / (FIELDS[scene.power] ?? FIELDS[1.5]);
+  pen.strokeStyle = light.wire;
+  pen.fillStyle = light.wire;
+  pen.lineWidth = 1.2;
+  stroke(pen, [x, y - radius, x, y + radius]);
+  stroke(pen, [x - radius, y, x + radius, y]);
+  const [tick, every] = scene.power > 2 ? [10 * MINUTE, 6] : [DEGREE, 5];
+  for (let i = 1; i * tick * scale < radius; i++) {
+    const long = i % every ? 5 : 10;
+    for (const side of [-1, 1]) {
+      stroke(pen, [x + side * i * tick * scale, y - long, x + side * i * tick * scale, y + long]);
+      stroke(pen, [x - long, y + side * i * tick * scale, x + long, y + side * i * tick * scale]);
+    }
+  }
+  tape(pen, { x, y, radius, scale, size, face }, scene);
+}
+
+/** Draws the bearings along the foot of the view. @param {CanvasRenderingContext2D} pen @param {{ x: number, y: number, radius: number, scale: number, size: number, face: string }} at @param {Scene} scene */
+function tape(pen, { x, y, radius, scale, size, face }, scene) {
+  const [half, top] = [0.5 * radius, y + 0.8 * radius];
+  const high = 1.9 * size;
+  pen.fillStyle = "#000000b0";
+  pen.fillRect(x - half, top, 2 * half, high);
+  const [step, named] = scene.power > 2 ? [0.5, 4] : [1, 5];
+  pen.fillStyle = "#f4f1e4";
+  pen.strokeStyle = "#f4f1e4";
+  pen.font = `500 ${size}px ${face}`;
+  pen.textAlign = "center";
+  const span = half / (scale * DEGREE);
+  for (let i = Math.ceil((scene.bearing - span) / step); i * step <= scene.bearing + span; i++) {
+    const at = x + (i * step - scene.bearing) * DEGREE * scale;
+    stroke(pen, [at, top, at, top + (i % named ? 4 : 7)]);
+    const clear = Math.abs(at - x) < half - size;
+    if (i % named === 0 && clear) pen.fillText(bearing(i * step), at, top + high - 0.6 * size);
+  }
+  pen.beginPath();
+  pen.moveTo(x, top + 2);
+  pen.lineTo(x - 5, top - 6);
+  pen.lineTo(x + 5, top - 6);
+  pen.fill();
+}
+
+customElements.define("scope-view", ScopeView);
