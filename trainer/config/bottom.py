@@ -21,6 +21,7 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.soundings import Grid, Position, on_the_plane, read_grid
+from trainer.core.current import north_and_east
 from trainer.io.chart import Chart
 
 FRICTION: Final = {"mud": 0.3, "sand": 0.4, "rock": 0.6}  # [-] project's own estimates
@@ -126,7 +127,7 @@ def _plane(table: BottomTable) -> Grid:
     depth = (table.depth_m or 0.0) + table.tide_m
     slope = (table.slope_percent or 0.0) / 100.0
     fall = math.radians(table.deepens_deg or 0.0)
-    north, east = slope * math.cos(fall), slope * math.sin(fall)
+    north, east = (slope * share for share in north_and_east(fall))
     values = np.array([[depth, depth + east], [depth + north, depth + north + east]])
     return Grid(values, 0.0, 0.0, (1.0, 1.0), degrees=False)
 

@@ -9,7 +9,7 @@ out: the change over the hull itself, and the lift of the water's rotation.
 """
 
 from trainer.core.elementary import cosine_and_sine
-from trainer.core.kernel import Record, part
+from trainer.core.kernel import Record, kernel, part
 
 
 @part
@@ -38,3 +38,12 @@ def carry_along(state: Record) -> None:
     s.udot += ahead * cos_th
     s.vdot += right * cos_phi + ahead * sin_th * sin_phi
     s.wdot += ahead * sin_th * cos_phi - right * sin_phi
+
+
+@kernel
+def north_and_east(towards: float) -> tuple[float, float]:
+    """Return how far north and east a step [-] towards an angle [rad] leads, the same bits always.
+
+    It is for who writes the state from outside: a library's sine may differ in its last place.
+    """
+    return cosine_and_sine(towards)

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from trainer.config.current import SLOWEST, Current, Tide
 from trainer.config.world import WorldTables
+from trainer.core.current import north_and_east
 from trainer.io.orders.grammar import Order, Reply
 from trainer.units import KNOT
 
@@ -23,7 +24,8 @@ STILL: Final[Line] = (0.0, 0.0, 0.0, 0.0)
 
 def uniform(towards: float, drift: float) -> Line:
     """Return the same water at all depths; ``towards`` [rad] at ``drift`` [m/s]."""
-    return drift * math.cos(towards), drift * math.sin(towards), 0.0, 0.0
+    north, east = north_and_east(towards)
+    return drift * north, drift * east, 0.0, 0.0
 
 
 def vector(set_deg: float, drift_kn: float) -> tuple[float, float]:
@@ -69,7 +71,7 @@ class Ellipse:
     def __call__(self, time: float, _depth: float) -> Line:
         """Return the water of a time [s]."""
         turned = self.rate * (time + self.since)
-        cosine, sine = math.cos(turned), math.sin(turned)
+        cosine, sine = north_and_east(turned)
         (a_north, a_east), (b_north, b_east) = self.ahead, self.across
         return a_north * cosine + b_north * sine, a_east * cosine + b_east * sine, 0.0, 0.0
 
