@@ -25,7 +25,8 @@ from trainer.session.plan import plan_run
 from trainer.units import KNOT
 
 NAMES = (
-    *("air-bank-failure", "backing", "course-changes", "crash-stop", "depth-changes"),
+    *("air-bank-failure", "backing", "bottoming", "canyon", "course-changes", "crash-stop"),
+    *("crossing-traffic", "depth-changes"),
     *("depth-gauge-failure", "emergency-deep", "first-depth-change", "flooding-aft"),
     *("gyro-stuck", "heavy-boat", "hover-by-pump", "loss-of-propulsion", "ordered-bubble"),
     *("periscope-depth", "periscope-sea-3", "power-loss", "rise-jam-shallow", "steady-course"),
@@ -494,7 +495,7 @@ def test_the_lists_name_everything_in_79_columns() -> None:
     assert sorted(names) == list(NAMES)
     assert (names[0], names[-2], names[-1]) == (
         "first-depth-change",
-        "watch",
+        "bottoming",
         "visitor-dive",
     )  # as the course goes
     assert "stern-hard-over" in casualties.stdout

@@ -151,7 +151,7 @@ def test_no_set_of_a_wild_run_is_longer_than_the_widest() -> None:
         if boat.tick():
             break
         lines = shown.lines(seen(boat))
-        assert sum(len(line) + 2 for line in lines) <= widest(INSTRUMENTS)
+        assert sum(len(line) + 2 for line in lines) <= widest(INSTRUMENTS)[1]
 
 
 def test_the_set_tells_of_the_state_in_the_units_of_its_sentences() -> None:

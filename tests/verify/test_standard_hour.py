@@ -34,7 +34,7 @@ from trainer.verify.c_reference.compiler import RECORDS, SAME_BITS, build, heade
 # state held orders to the crew, ten numbers more that are zero here.
 # It was 505b929f... until the reference of a boat in hand, or on the way up after a blow, moved
 # with the boat no faster than it is slewed: one handed over in a hard turn is stopped.
-SHA256 = "6f73355dd1a6dcc07d2dcab13690bd35eef18fdb38d4b03e570937973a4680f8"
+SHA256 = "9beb354c3ddc99fc661dfed9980045bcae59e68489779d2d7600851f680f407d"
 SHORT = 160  # [ticks] with a depth change under way
 
 needs_compiler = pytest.mark.skipif(

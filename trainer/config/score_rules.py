@@ -16,7 +16,7 @@ from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 ENOUGH: Final = within(-1e9, 1e9)
 # orders of the instructor, and words, which answer no casualty
 INSTRUCTING: Final = (
-    frozenset({"casualty", "clear", "sea", "current", "hold", "release"}) | CREW_TALK
+    frozenset({"casualty", "clear", "sea", "current", "contact", "hold", "release"}) | CREW_TALK
 )
 PARTS: Final = ("task", "answer", "keeping")
 ANSWERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTING))

@@ -42,8 +42,8 @@ def carry_along(state: Record) -> None:
 
 @kernel
 def north_and_east(towards: float) -> tuple[float, float]:
-    """Return how far north and east a step [-] towards an angle [rad] leads, the same bits always.
+    """Return how far north and east a step [-] towards an angle [rad] leads.
 
-    It is for who writes the state from outside: a library's sine may differ in its last place.
+    The bits are the same always. It is for who writes the state from outside: a library's sine may differ in its last place.
     """
     return cosine_and_sine(towards)

@@ -188,10 +188,10 @@ def refuse_crowded(outlets: Outlets, url: str, baud: int) -> None:
     """Raise ConfigError if a serial line cannot carry the sets at their rate."""
     if url.partition("://")[0].lower() in UNTIMED:
         return
-    size, capacity = widest(outlets.instruments), baud // BITS
+    (count, size), capacity = widest(outlets.instruments), baud // BITS
     if size * outlets.rate > capacity:
         raise ConfigError(
-            f"--nmea {url}: {len(outlets.instruments)} sentences of {size} bytes at "
+            f"--nmea {url}: {count} sentences of {size} bytes at "
             f"{outlets.rate:g} Hz are {size * outlets.rate:.0f} bytes a second; the line carries "
             f"{capacity} at {baud} baud: give --nmea-rate {most(capacity / size):g} or less, fewer "
             f"--nmea-sentences or a faster --nmea-baud"

@@ -292,10 +292,10 @@ def choose_instruments(names: Iterable[str]) -> tuple[Instrument, ...]:
     return tuple(instrument for instrument in INSTRUMENTS if instrument.name in wanted)
 
 
-def widest(instruments: Iterable[Instrument]) -> int:
-    """Return the size [bytes] of the longest set that they can make, line ends included."""
+def widest(instruments: Iterable[Instrument]) -> tuple[int, int]:
+    """Return sentences and size [bytes] of the longest set that they can make."""
     sent = [each.sentence(WIDEST) for each in instruments if each.fits(WIDEST)]
-    return sum(len(each) + LINE_END for each in sent)
+    return len(sent), sum(len(each) + LINE_END for each in sent)
 
 
 class InstrumentSet:

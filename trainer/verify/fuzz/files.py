@@ -365,8 +365,12 @@ def cut(name: str) -> Callable[[], list[bytes]]:
 
 
 def exercises() -> list[bytes]:
-    """Return the shipped exercises, their briefings short: they are most of each."""
-    return [BRIEFING.sub(SHORTER, seed) for seed in shipped_seeds("exercises")]
+    """Return the shipped exercises, their briefings short: they are most of each.
+
+    One that reads a grid of the ground beside it is not among them.
+    """
+    seeds = [BRIEFING.sub(SHORTER, seed) for seed in shipped_seeds("exercises")]
+    return [seed for seed in seeds if b"grid =" not in seed]
 
 
 TARGETS: Final = (

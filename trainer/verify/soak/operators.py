@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Final
 
+from trainer.boat.world.world import PARTS
 from trainer.config.casualties import load_casualties
 from trainer.io.orders.grammar import LONGEST, Order, parse
 from trainer.io.orders.quantities import Number
@@ -64,9 +65,12 @@ class Orders:
 
 
 def _fits(form: Form, role: Role) -> bool:
-    """Return whether it is an order to the boat, and the role's to give."""
+    """Return whether it is an order to the boat, and the role's to give.
+
+    Orders to the world around it are not: each is kept as long as the run, which takes memory.
+    """
     name = form.name or heading_word(form)
-    return not form.refusal and name in BOAT_ORDERS and name in role.commands
+    return not form.refusal and name in BOAT_ORDERS - {*PARTS} and name in role.commands
 
 
 VISIT: Final = 5, 60  # orders of one visit

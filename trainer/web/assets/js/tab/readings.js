@@ -209,6 +209,7 @@ function truth(r) {
     return r.get("z") + r.get("eta_wave") - (x * Math.sin(pitch) - z * Math.cos(pitch) * Math.cos(heel));
   };
   return {
+    "swell.height": () => null, // there is no periscope in a tab
     "motion.depth": () => r.get("z"),
     "motion.heading": () => compass(r.get("psi"), 2),
     "motion.speed": () => r.get("u") / fittings.knot,
