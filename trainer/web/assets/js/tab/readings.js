@@ -210,6 +210,7 @@ function truth(r) {
   };
   return {
     "swell.height": () => null, // there is no periscope in a tab
+    "swell.drift": () => null,
     "motion.depth": () => r.get("z"),
     "motion.heading": () => compass(r.get("psi"), 2),
     "motion.speed": () => r.get("u") / fittings.knot,
