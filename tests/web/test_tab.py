@@ -21,6 +21,7 @@ from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.recording.recording import Recording
 from trainer.session.options import RunOptions
 from trainer.session.stations.channels import CHANNELS
+from trainer.session.stations.past import PRESENT
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 
@@ -145,7 +146,7 @@ def test_every_channel_shows_what_a_station_shows(vessel: str) -> None:
         boat.tick()
     reader = StateReader(boat, Ledger(boat.method.step).summary)
     frame = reader.frame(Picture(300, boat.records.state.tobytes(), Pace()))
-    shown = [name for name in CHANNELS if name not in ("time", "ledger")]
+    shown = [name for name in CHANNELS if name not in PRESENT]  # nor is there a periscope
     deeds = [("order", words) for words in orders]
 
     values = fly(page, *deeds, ("fly", 300), *(("values", name) for name in shown))
