@@ -27,6 +27,7 @@ from trainer.session.stations.roles import INSTRUCTOR, ROLES, Role
 from trainer.verify.soak.audit import Answered
 from trainer.verify.soak.session_process import Caller, GoneError, SessionProcess
 
+AROUND: Final = {*PARTS} - {"scope"}  # orders to what is around the boat
 LONGEST_WORDS: Final = LONGEST - len(order_sentence("", "999999"))  # [characters]
 
 
@@ -70,7 +71,7 @@ def _fits(form: Form, role: Role) -> bool:
     Orders to the world around it are not: each is kept as long as the run, which takes memory.
     """
     name = form.name or heading_word(form)
-    return not form.refusal and name in BOAT_ORDERS - {*PARTS} and name in role.commands
+    return not form.refusal and name in BOAT_ORDERS - AROUND and name in role.commands
 
 
 VISIT: Final = 5, 60  # orders of one visit
