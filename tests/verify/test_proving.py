@@ -178,8 +178,8 @@ def test_an_audit_misses_a_tick_that_the_ledger_lacks(recording: Path) -> None:
 
 
 def test_memory_that_grows_after_the_warm_up_is_seen() -> None:
-    level = [Sample(float(at), 100_000 + 2_000 * (at < 30)) for at in range(100)]
-    growing = [Sample(float(at), 100_000 + 40 * at) for at in range(100)]
+    level = [Sample(float(at), 100_000 + 2_000 * (at < 60)) for at in range(200)]
+    growing = [Sample(float(at), 100_000 + 20 * at) for at in range(200)]
     assert flat(level).kept
     assert not flat(growing).kept
     assert "not judged: 2 looks" in flat(growing[:3]).seen

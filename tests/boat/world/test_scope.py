@@ -308,6 +308,20 @@ def test_exposure_is_counted_in_all_and_by_the_raise(tmp_path: Path) -> None:
     assert scope_of(boat).exposed(100, raised=True) < live
 
 
+def test_a_tick_that_is_flown_again_counts_once(tmp_path: Path) -> None:
+    boat = at_sea(tmp_path)
+    scope = scope_of(boat)
+    flown(boat, 60, {0: "scope raise"}, {})
+    wanted = scope.exposed(60, raised=False)
+    begin = next(tick for tick in range(61) if scope.exposed(tick, raised=False))
+    for tick in (begin + 5, begin + 6, begin):
+        scope.write({"tick": tick})
+    assert scope.exposed(60, raised=False) == 0.5
+    for tick in range(begin + 1, 60):
+        scope.write({"tick": tick})
+    assert scope.exposed(60, raised=False) == wanted
+
+
 def test_a_ship_counts_as_detected_from_a_mark_on_its_bearing(tmp_path: Path) -> None:
     orders = {0: "scope raise"}
     passage = flown(at_sea(tmp_path, TANKER), 60, orders, {40: "contact 040", 50: "contact 029"})

@@ -5,7 +5,7 @@ earth: N. Bowditch, American Practical Navigator (2019), tables 8 and 12, as a l
 """
 
 import math
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from operator import attrgetter
 from typing import Any, Final, NamedTuple
@@ -138,7 +138,7 @@ class Periscope:
         self._fitted: Scope | None = boat.file.scope
         self._step: float = boat.method.step
         self._stood = [Mast()]
-        self._shown: list[int] = []  # ticks at which the head was out of the water
+        self._shown: list[range] = []  # ticks at which the head was out of the water
 
     @property
     def fitted(self) -> Scope | None:
@@ -153,17 +153,20 @@ class Periscope:
     def write(self, state: Any) -> None:
         """Write nothing; note that the head is out of the water."""
         tick = int(state["tick"])
-        while self._shown and self._shown[-1] >= tick:
+        while self._shown and self._shown[-1].start >= tick:
             self._shown.pop()
+        goes_on = bool(self._shown) and self._shown[-1].stop >= tick
+        begun = self._shown.pop().start if goes_on else tick
         mast = self.at(tick)
-        if mast.out > 0.0 and self.height(mast) > 0.0:
-            self._shown.append(tick)
+        until = tick + (mast.out > 0.0 and self.height(mast) > 0.0)
+        if until > begun:
+            self._shown.append(range(begun, until))
 
     def exposed(self, tick: int, *, raised: bool) -> float:
         """Return how long [s] the head has shown up to a tick. ``raised``: in this raise alone."""
         since = self.raised_at(tick) if raised else 0
-        count = bisect_right(self._shown, tick) - bisect_left(self._shown, since)
-        return max(count, 0) * self._step
+        ticks = (min(each.stop, tick + 1) - max(each.start, since) for each in self._shown)
+        return sum(max(number, 0) for number in ticks) * self._step
 
     def raised_at(self, tick: int) -> int:
         """Return the tick at which the mast was ordered up last, else 0."""
@@ -224,6 +227,8 @@ class Periscope:
         if order.word == "range":
             return self._range(order.value, now)
         then, answer = self._changed(order, now, self._fitted)
+        if self._stood[-1].tick == tick:  # turned on and on: once a tick is enough
+            self._stood.pop()
         self._stood.append(then)
         return answer
 

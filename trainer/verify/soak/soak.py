@@ -22,7 +22,7 @@ from trainer.verify.soak.session_process import SessionProcess
 STEP: Final = 0.5  # [s]
 OPERATORS: Final = 8
 EVERY: Final = 0.05  # [s] between looks at the memory
-FEWEST: Final = 20  # looks that can be judged
+FEWEST: Final = 100  # looks that can be judged: in fewer, first uses of code weigh as growth
 WARM_UP: Final = 1.0 / 3.0  # of the run, before its memory is looked at
 GROWTH: Final = 1024  # [kB] that medians of its memory may differ by, in a soak of up to an hour
 PATIENCE: Final = 120.0  # [s] for the end of a session beyond its time
