@@ -133,7 +133,7 @@ def _sailed(whole: Numbers, model: Model, state: Numbers, helm: tuple[float, flo
     def rates(x: Numbers, part: float) -> Numbers:
         inputs = np.array([helm[0] + part * (helm[1] - helm[0]), 1.5, 0.0, 0.0])
         set_terms(work, CONSTANTS, x, inputs, whole[-5:])
-        add_terms(work, model.terms, whole, CONSTANTS[0], out)
+        add_terms(work, model.terms, whole, CONSTANTS, out)
         return np.array([*out[:, 0], x[2]])
 
     for i in range(4):

@@ -1,9 +1,10 @@
 """The likelihood of a ship's record by the extended Kalman filter, with its derivatives.
 
-States are u, v [m/s], r [rad/s] and heading [rad], readings the same. A row of the ``record`` has
-the readings, NaN where there is none, then rudder, revolutions and wind, then the seconds to the
-next row and the steps of Runge and Kutta in them. ``values`` are the factors of the terms, the five
-nonlinear coefficients, three disturbances and four errors of readings as standard deviations, and
+States are u, v [m/s], r [rad/s] and heading [rad], with roll also roll rate [rad/s] and roll [rad];
+readings the same. A row of the ``record`` has the first four readings, NaN where there is none,
+then rudder, revolutions and wind, then the seconds to the next row and the steps of Runge and Kutta
+in them, then the readings of roll. ``values`` are the factors of the terms, the five nonlinear
+coefficients, disturbances (of each acceleration) and errors of readings as standard deviations, and
 the first state, which is known: its covariance is nothing. Derivatives are as in
 ``extended_slopes``; where none are asked for, forward numbers carry only what the filter needs.
 """
@@ -15,7 +16,6 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_slopes import (
-    System,
     count_reading,
     matrix_slopes,
     noise_slopes,
@@ -29,18 +29,27 @@ from trainer.identify.kernels.forward_numbers import FIRST, SECOND
 from trainer.identify.kernels.kernel import kernel, lean
 from trainer.identify.kernels.ship_forces import (
     NONLINEAR,
+    PLACES,
+    ROLL,
+    ROLL_RATE,
+    System,
+    add_heel,
     add_terms,
+    axes_of,
     rows_of,
     set_jacobian,
     set_terms,
+    state_of,
 )
 
 INPUTS: Final = 4  # the first column of them
 SECONDS: Final = 8
 PARTS: Final = 9
+BESIDE: Final = 6  # columns between the first four readings and those of roll
 SLOWEST: Final = 0.01  # [m/s] a ship that is slower, faster or turns faster is no ship
 FASTEST: Final = 1000.0
 TURNING: Final = 10.0  # [rad/s]
+OVER: Final = 1.5  # [rad] of roll
 STAGES: Final = (0.0, 0.5, 0.5, 1.0)
 WEIGHTS: Final = (1.0, 2.0, 2.0, 1.0)
 
@@ -48,9 +57,9 @@ WEIGHTS: Final = (1.0, 2.0, 2.0, 1.0)
 @lean
 def is_ship(x: Numbers) -> bool:
     """Return whether a state is that of a ship under way."""
-    return (
-        x[0] >= SLOWEST and abs(x[0]) <= FASTEST and abs(x[1]) <= FASTEST and abs(x[2]) <= TURNING
-    )
+    upright = x.size <= ROLL or (abs(x[ROLL_RATE]) <= TURNING and abs(x[ROLL]) <= OVER)
+    size = abs(x[0]) <= FASTEST and abs(x[1]) <= FASTEST and abs(x[2]) <= TURNING
+    return x[0] >= SLOWEST and size and upright
 
 
 @lean
@@ -64,31 +73,34 @@ def set_inputs(record: Numbers, k: int, part: float, c: Numbers) -> None:
 @lean
 def _spread(phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers) -> None:
     """Advance ``P`` by the transition and the disturbances; ``half`` becomes (P + T/2 R1) phi'."""
-    for i in range(4):
-        for j in range(4):
+    n, axes = phi.shape[0], axes_of(phi.shape[0])
+    for g in range(axes):
+        P[state_of(g), state_of(g)] += 0.5 * T * noise[g] * noise[g]
+    for i in range(n):
+        for j in range(n):
             total = 0.0
-            for k in range(4):
-                own = 0.5 * T * noise[i] * noise[i] if i == k and i < 3 else 0.0
-                total += (P[i, k] + own) * phi[j, k]
+            for k in range(n):
+                total += P[i, k] * phi[j, k]
             half[i, j] = total
-    for i in range(4):
+    for i in range(n):
         for j in range(i + 1):
             total = 0.0
-            for k in range(4):
+            for k in range(n):
                 total += 0.5 * (phi[i, k] * half[k, j] + phi[j, k] * half[k, i])
             P[i, j] = total
             P[j, i] = total
-        if i < 3:
-            P[i, i] += 0.5 * T * noise[i] * noise[i]
+    for g in range(axes):
+        P[state_of(g), state_of(g)] += 0.5 * T * noise[g] * noise[g]
 
 
 @lean
 def _set_rates(system: System, x: Numbers, c: Numbers, table: Numbers, rates: Numbers) -> None:
-    """Write the accelerations (3, columns) at a state and inputs; ``table`` is scratch."""
+    """Write the accelerations (places, columns) at a state and inputs; ``table`` is scratch."""
     ship, terms, values, _ = system
     count = terms.shape[0]
     set_terms(table, ship, x, c, values[count : count + NONLINEAR])
-    add_terms(table, terms, values, ship[0], rates)
+    add_terms(table, terms, values, ship, rates)
+    add_heel(x, rates)
 
 
 @lean
@@ -101,7 +113,7 @@ def _advance(
 ) -> None:
     """Advance the state and its derivatives from row ``k`` to the next by Runge and Kutta.
 
-    ``work`` is a table, its rates, (5, 4), (3, 4) and (3, 4, q).
+    ``work`` is a table, its rates, (5, n), (n, n) and (3, n, q).
     """
     x, S = kept
     table, rates, lines, own, many = work
@@ -116,19 +128,22 @@ def _advance(
         turn[:] = 0.0
         for n in range(4):
             reach = STAGES[n] * h
-            for i in range(4):
+            for i in range(x.size):
                 stage[i] = x[i] + reach * rate[i]
                 for j in range(S.shape[1]):
                     at[i, j] = S[i, j] + reach * turn[i, j]
             set_inputs(record, k, (part + STAGES[n]) / parts, c)
             _set_rates(system, stage, c, table, rates)
-            rate_slopes(system, table, rates, at, own, turn)
-            for i in range(4):
-                rate[i] = rates[i, 0] if i < 3 else stage[2]
+            rate_slopes(system, (table, rates), stage, at, own, turn)
+            for e in range(axes_of(x.size)):
+                rate[state_of(e)] = rates[e, 0]
+            for i in range(3, x.size, 2):
+                rate[i] = stage[i - 1]
+            for i in range(x.size):
                 total[i] += WEIGHTS[n] * rate[i]
                 for j in range(S.shape[1]):
                     sum_[i, j] += WEIGHTS[n] * turn[i, j]
-        for i in range(4):
+        for i in range(x.size):
             x[i] += h / 6.0 * total[i]
             for j in range(S.shape[1]):
                 S[i, j] += h / 6.0 * sum_[i, j]
@@ -145,19 +160,22 @@ def _take_row(
 ) -> float:
     """Return what a row's readings add to -log L, after taking them.
 
-    ``sums`` has innovations with their variances (4, 2), gradient and information.
+    ``sums`` has innovations with their variances (n, 2), gradient and information.
     """
-    cost, first = 0.0, lines.shape[1] - 11
-    for m in range(4):
-        sums[0][m, 0], sums[0][m, 1] = row[m] - kept[0][m], math.nan
-        if not math.isnan(row[m]):
-            variance = noise[3 + m] * noise[3 + m]
-            moments = row[m] - kept[0][m], kept[1][m, m] + variance
+    states = kept[0].size
+    axes = axes_of(states)
+    cost, first = 0.0, lines.shape[1] - axes - 2 * states
+    for m in range(states):
+        read = row[m if m < ROLL_RATE else m + BESIDE]
+        sums[0][m, 0], sums[0][m, 1] = read - kept[0][m], math.nan
+        if not math.isnan(read):
+            variance = noise[axes + m] * noise[axes + m]
+            moments = read - kept[0][m], kept[1][m, m] + variance
             for j in range(lines.shape[1]):
                 lines[0, j] = -slopes[0][m, j]
                 lines[1, j] = slopes[1][m, m, j]
             if first >= 0:
-                lines[1, first + 3 + m] += 2.0 * variance
+                lines[1, first + axes + m] += 2.0 * variance
             square = moments[0] * moments[0] / moments[1]
             cost += 0.5 * (math.log(2.0 * math.pi * moments[1]) + square)
             sums[0][m, 1] = moments[1]
@@ -179,13 +197,13 @@ def _predict(
     (table, rates), (A, phi, half, short), (dA, dphi, turned) = work
     terms, values, free = system[1], system[2], system[3]
     first = terms.shape[0] + NONLINEAR
-    noise, T, c = values[first : first + 7], record[k, SECONDS], short[4]
+    noise, T, c = values[first:], record[k, SECONDS], short[4]
     set_inputs(record, k, 0.5, c)
     _set_rates(system, kept[0], c, table, rates)
     set_jacobian(rates, A)
     if slopes[0].shape[1] > 0:
         matrix_slopes(rates, slopes[0], dA)
-        own_slopes(system, table, rates, short, dA)
+        own_slopes(system, (table, rates), kept[0], short, dA)
     transition_slopes(A, dA, T, (phi, dphi), (half, turned))
     _spread(phi, kept[1], noise, T, half)
     spread_slopes(phi, dphi, half, slopes[1], (turned, dA))
@@ -199,21 +217,21 @@ def filter_record(
 ) -> float:
     """Return -log L of a record, infinite where the filter loses the ship.
 
-    Innovations and their variances go to ``errors`` (n, 4, 2). ``gradient`` (q,) and the lower
-    half of ``information`` (q, q) gain theirs; q may be 0.
+    Innovations and their variances go to ``errors`` (rows, n, 2); the states are so many.
+    ``gradient`` (q,) and the lower half of ``information`` (q, q) gain theirs; q may be 0.
     """
-    count, first = gradient.size, system[1].shape[0] + NONLINEAR
-    noise, x = system[2][first : first + 7], system[2][first + 7 :].copy()
-    P, S, dP = np.zeros((4, 4)), np.zeros((4, count)), np.zeros((4, 4, count))
-    for i in range(4 if count > 0 else 0):
-        S[i, count - 4 + i] = 1.0
+    count, first, n = gradient.size, system[1].shape[0] + NONLINEAR, errors.shape[1]
+    noise, x = system[2][first:], system[2][first + axes_of(n) + n :].copy()
+    P, S, dP = np.zeros((n, n)), np.zeros((n, count)), np.zeros((n, n, count))
+    for i in range(n if count > 0 else 0):
+        S[i, count - n + i] = 1.0
     wide, narrow = (SECOND, FIRST) if count > 0 else (4, 1)
-    rows = rows_of(system[1])
-    sloped = np.empty((rows, wide)), np.empty((3, wide))
-    flat, rates = np.empty((rows, narrow)), np.empty((3, narrow))
-    small = np.empty((4, 4)), np.empty((4, 4)), np.empty((4, 4)), np.empty((5, 4))
-    large = np.empty((4, 4, count)), np.empty((4, 4, count)), np.empty((4, 4, count))
-    lines, many, cost = np.empty((6, count)), np.empty((3, 4, count)), 0.0
+    rows, places = rows_of(system[1]), 3 if n <= ROLL else PLACES
+    sloped = np.empty((rows, wide)), np.empty((places, wide))
+    flat, rates = np.empty((rows, narrow)), np.empty((places, narrow))
+    small = np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((5, n))
+    large = np.empty((n, n, count)), np.empty((n, n, count)), np.empty((n, n, count))
+    lines, many, cost = np.empty((2 + n, count)), np.empty((3, n, count)), 0.0
     for k in range(record.shape[0]):
         sums = errors[k], gradient, information
         cost += _take_row(record[k], noise, (x, P), (S, dP), lines, sums)
@@ -229,13 +247,14 @@ def filter_record(
 
 @kernel
 def sail_record(system: System, record: Numbers, out: Numbers) -> int:
-    """Write the states (n, 4) by inputs alone; return for how many rows."""
-    x, S = system[2][system[1].shape[0] + NONLINEAR + 7 :].copy(), np.empty((4, 0))
-    many, own = np.empty((3, 4, 0)), np.empty((3, 4))
-    rows = rows_of(system[1])
-    work = np.empty((rows, 1)), np.empty((3, 1)), np.empty((5, 4)), own, many
+    """Write the states (rows, n) by inputs alone; return for how many rows."""
+    n = out.shape[1]
+    x, S = system[2][system[2].size - n :].copy(), np.empty((n, 0))
+    many, own = np.empty((3, n, 0)), np.empty((n, n))
+    rows, places = rows_of(system[1]), 3 if n <= ROLL else PLACES
+    work = np.empty((rows, 1)), np.empty((places, 1)), np.empty((5, n)), own, many
     for k in range(record.shape[0]):
-        for i in range(4):
+        for i in range(n):
             out[k, i] = x[i]
         if not is_ship(x):
             return k

@@ -4,6 +4,10 @@ Rudder, slipstream and wake are those of Yasukawa and Yoshimura 2015 (J Mar Sci 
 their wake with C1 = 2. Every term is an acceleration in prime units times U^2/L, so that no mass
 is needed. The terms are forward numbers, whose directions are u, v, r, then gamma, l, kappa, c_w
 and gamma_a. A positive rudder turns the ship to starboard here.
+
+Where the state has roll rate and roll, behind u, v, r and heading, there is a fourth equation, and
+a term may be times either of them. A term's place says both: 0 to 3 is the equation, 4 to 7 the
+same with its term times roll rate, 8 to 11 times roll. Accelerations have a row for each place.
 """
 
 import math
@@ -24,10 +28,15 @@ from trainer.identify.kernels.forward_numbers import (
 from trainer.identify.kernels.kernel import lean
 
 Terms = NDArray[np.int64]
+System = tuple[Numbers, Terms, Numbers, Terms]  # ship, terms, values, places of the free ones
 
 NONLINEAR: Final = 5  # coefficients that are not factors of a term
 SHIP: Final = 6  # length, propeller diameter, three coefficients of K_T, 1-w
 ADVANCE: Final = 6  # place of the ship's own advance [m] a turn, after these
+STIFFNESS: Final = 7  # and of g GM/k^2 [1/s^2], where there is roll
+ROLL_RATE, ROLL = 4, 5  # places in the state
+AXES: Final = 4  # equations, with roll
+PLACES: Final = 3 * AXES
 # further constants: rudder, its sine and cosine, revolutions, wind, the speed that the revolutions
 # hold, and numbers of the equations
 INPUTS: Final = 8
@@ -110,6 +119,7 @@ def _terms() -> tuple[dict[str, int], list[tuple[int, int, int]]]:
 
 
 TERM_ROWS, _LIST = _terms()
+TERM_ROWS["one"] = DIRECTIONS + SHIP + INPUTS + NUMBERS.index(1.0)
 STEPS: Final = np.array(_LIST)
 ROWS: Final = DIRECTIONS + CONSTANTS + len(STEPS)
 LITERALS: Final = np.array(NUMBERS)
@@ -127,7 +137,8 @@ def _hold(table: Numbers, row: int, value: float) -> None:
 def set_terms(table: Numbers, ship: Numbers, x: Numbers, c: Numbers, rudder: Numbers) -> None:
     """Write every term at state ``x`` (u, v, r) and inputs ``c``, times U^2/L.
 
-    ``ship`` is length, propeller diameter, three coefficients of K_T, 1-w and the advance a turn;
+    ``ship`` is length, propeller diameter, three coefficients of K_T, 1-w and the advance a turn,
+    then the stiffness of roll where there is any;
     ``c`` is rudder [rad], revolutions [1/s] and relative wind from ahead and from starboard [m/s];
     ``rudder`` is gamma, l, kappa, c_w and gamma_a. A table of fewer rows has fewer terms.
     """
@@ -157,49 +168,95 @@ def rows_of(terms: Terms) -> int:
 
 
 @lean
-def add_terms(table: Numbers, terms: Terms, factors: Numbers, length: float, out: Numbers) -> None:
-    """Write du/dt, dv/dt, dr/dt as forward numbers (3, columns); ``terms`` are (axis, row)."""
-    for e in range(3):
+def _in_units(factor: float, place: int, ship: Numbers) -> float:
+    """Return a factor in the units of its place: yaw and roll are over the length.
+
+    Roll's own stiffness and damping are in units of those that the ship's file says.
+    """
+    if place in (2, 3, 10):
+        return factor / ship[0]
+    if place == AXES + 3:
+        return factor * math.sqrt(ship[STIFFNESS])
+    return factor * ship[STIFFNESS] if place == 2 * AXES + 3 else factor
+
+
+@lean
+def add_terms(table: Numbers, terms: Terms, factors: Numbers, ship: Numbers, out: Numbers) -> None:
+    """Write accelerations as forward numbers (places, columns); ``terms`` are (place, row).
+
+    Without roll there are three places: du/dt, dv/dt and dr/dt.
+    """
+    for e in range(out.shape[0]):
         for i in range(out.shape[1]):
             out[e, i] = 0.0
     for j in range(terms.shape[0]):
-        axis = terms[j, 0]
-        factor = factors[j] / length if axis == 2 else factors[j]
+        place = terms[j, 0]
+        factor = _in_units(factors[j], place, ship)
         for i in range(out.shape[1]):
-            out[axis, i] += factor * table[terms[j, 1], i]
+            out[place, i] += factor * table[terms[j, 1], i]
+
+
+@lean
+def add_heel(x: Numbers, out: Numbers) -> None:
+    """Add to the accelerations what is times roll rate and roll, where there is roll."""
+    for e in range(AXES if x.size > ROLL else 0):
+        for i in range(out.shape[1]):
+            heeled = x[ROLL_RATE] * out[AXES + e, i] + x[ROLL] * out[2 * AXES + e, i]
+            out[e, i] += heeled
+
+
+@lean
+def axes_of(states: int) -> int:
+    """Return how many equations there are of so many states."""
+    return states // 2 + 1
+
+
+@lean
+def state_of(axis: int) -> int:
+    """Return the place in the state of what an equation accelerates."""
+    return ROLL_RATE if axis == AXES - 1 else axis
 
 
 @lean
 def set_jacobian(rates: Numbers, A: Numbers) -> None:
-    """Write df/dx (4, 4) from the forward numbers of the accelerations."""
-    for e in range(3):
+    """Write df/dx (n, n) from the forward numbers of the accelerations."""
+    A[:] = 0.0
+    for e in range(axes_of(A.shape[0])):
         for i in range(3):
-            A[e, i] = rates[e, 1 + i]
-        A[e, 3] = 0.0
-        A[3, e] = 0.0
-    A[3, 2] = 1.0
-    A[3, 3] = 0.0
+            A[state_of(e), i] = rates[e, 1 + i]
+        for i in range(ROLL_RATE, A.shape[0]):
+            A[state_of(e), i] = rates[AXES * (i - 3) + e, 0]
+    for i in range(3, A.shape[0], 2):
+        A[i, i - 1] = 1.0
 
 
 @lean
 def coefficient_slopes(
-    table: Numbers, rates: Numbers, terms: Terms, length: float, which: int, out: Numbers
+    table: Numbers, rates: Numbers, system: System, x: Numbers, which: int, out: Numbers
 ) -> None:
-    """Write d/d(coefficient) of the accelerations, and of their derivatives by u, v, r (3, 4).
+    """Write d/d(coefficient) of the accelerations, and of their derivatives by u, v, r.
 
-    ``which`` counts the factors of ``terms`` first, then the nonlinear coefficients.
+    ``out`` is (3, 4) or more; with roll (4, 6), where the last two are by roll rate and roll.
+    ``which`` counts the factors of the terms first, then the nonlinear coefficients.
     """
-    for e in range(3):
-        for i in range(4):
+    ship, terms = system[0], system[1]
+    for e in range(axes_of(x.size)):
+        for i in range(x.size):
             out[e, i] = 0.0
     if which < terms.shape[0]:
-        axis, row = terms[which, 0], terms[which, 1]
+        place, row = terms[which, 0], terms[which, 1]
+        axis, by = place % AXES, place // AXES
         for i in range(4):
-            out[axis, i] = table[row, i] / length if axis == 2 else table[row, i]
+            own = _in_units(table[row, i], place, ship)
+            out[axis, i] = own * x[3 + by] if by > 0 else own
+        if by > 0:
+            out[axis, 3 + by] = _in_units(table[row, 0], place, ship)
         return
     direction = 3 + which - terms.shape[0]
-    for e in range(3):
+    for e in range(axes_of(x.size)):
         out[e, 0] = rates[e, 1 + direction]
         if rates.shape[1] > FIRST:
             for i in range(3):
                 out[e, 1 + i] = rates[e, second_place(i, direction)]
+        for i in range(ROLL_RATE, x.size):
+            out[e, i] = rates[AXES * (i - 3) + e, 1 + direction]

@@ -14,7 +14,7 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record, sail_record
-from trainer.identify.kernels.extended_slopes import System
+from trainer.identify.kernels.ship_forces import System
 from trainer.identify.kernels.ship_forces import Terms
 from trainer.identify.ships.models import Model
 from trainer.identify.ships.records import Trial

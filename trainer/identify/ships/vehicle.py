@@ -95,7 +95,7 @@ class IdentifiedShip:
         work, out = np.empty((ROWS, 1)), np.empty((3, 1))
         inputs = np.array([rudder, turns, 0.0, 0.0])
         set_terms(work, self._constants, state, inputs, self._whole[-len(NONLINEAR) :])
-        add_terms(work, self._terms, self._whole, self.length, out)
+        add_terms(work, self._terms, self._whole, self._constants, out)
         return np.array(out[:, 0])
 
     def _steady(self, speed: float) -> tuple[float, float, float]:
