@@ -28,18 +28,19 @@ from trainer.identify.kernels.extended_slopes import (
 from trainer.identify.kernels.forward_numbers import FIRST, SECOND
 from trainer.identify.kernels.kernel import kernel, lean
 from trainer.identify.kernels.ship_forces import (
+    AXES,
     NONLINEAR,
     PLACES,
     ROLL,
     ROLL_RATE,
+    Driven,
     System,
     add_heel,
     add_terms,
-    axes_of,
     rows_of,
     set_jacobian,
     set_terms,
-    state_of,
+    states_of,
 )
 
 INPUTS: Final = 4  # the first column of them
@@ -71,11 +72,13 @@ def set_inputs(record: Numbers, k: int, part: float, c: Numbers) -> None:
 
 
 @lean
-def _spread(phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers) -> None:
+def _spread(
+    driven: Driven, phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers
+) -> None:
     """Advance ``P`` by the transition and the disturbances; ``half`` becomes (P + T/2 R1) phi'."""
-    n, axes = phi.shape[0], axes_of(phi.shape[0])
-    for g in range(axes):
-        P[state_of(g), state_of(g)] += 0.5 * T * noise[g] * noise[g]
+    n = states_of(driven)
+    for g in range(len(driven)):
+        P[driven[g], driven[g]] += 0.5 * T * noise[g] * noise[g]
     for i in range(n):
         for j in range(n):
             total = 0.0
@@ -89,18 +92,19 @@ def _spread(phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers) -
                 total += 0.5 * (phi[i, k] * half[k, j] + phi[j, k] * half[k, i])
             P[i, j] = total
             P[j, i] = total
-    for g in range(axes):
-        P[state_of(g), state_of(g)] += 0.5 * T * noise[g] * noise[g]
+    for g in range(len(driven)):
+        P[driven[g], driven[g]] += 0.5 * T * noise[g] * noise[g]
 
 
 @lean
 def _set_rates(system: System, x: Numbers, c: Numbers, table: Numbers, rates: Numbers) -> None:
     """Write the accelerations (places, columns) at a state and inputs; ``table`` is scratch."""
-    ship, terms, values, _ = system
+    ship, terms, values, _, _ = system
     count = terms.shape[0]
     set_terms(table, ship, x, c, values[count : count + NONLINEAR])
     add_terms(table, terms, values, ship, rates)
-    add_heel(x, rates)
+    if len(system[4]) == AXES:
+        add_heel(x, rates)
 
 
 @lean
@@ -116,6 +120,7 @@ def _advance(
     ``work`` is a table, its rates, (5, n), (n, n) and (3, n, q).
     """
     x, S = kept
+    driven, states = system[4], states_of(system[4])
     table, rates, lines, own, many = work
     stage, rate, total, c = lines[0], lines[1], lines[2], lines[3]
     at, turn, sum_ = many[0], many[1], many[2]
@@ -128,22 +133,22 @@ def _advance(
         turn[:] = 0.0
         for n in range(4):
             reach = STAGES[n] * h
-            for i in range(x.size):
+            for i in range(states):
                 stage[i] = x[i] + reach * rate[i]
                 for j in range(S.shape[1]):
                     at[i, j] = S[i, j] + reach * turn[i, j]
             set_inputs(record, k, (part + STAGES[n]) / parts, c)
             _set_rates(system, stage, c, table, rates)
             rate_slopes(system, (table, rates), stage, at, own, turn)
-            for e in range(axes_of(x.size)):
-                rate[state_of(e)] = rates[e, 0]
-            for i in range(3, x.size, 2):
+            for e in range(len(driven)):
+                rate[driven[e]] = rates[e, 0]
+            for i in range(3, states, 2):
                 rate[i] = stage[i - 1]
-            for i in range(x.size):
+            for i in range(states):
                 total[i] += WEIGHTS[n] * rate[i]
                 for j in range(S.shape[1]):
                     sum_[i, j] += WEIGHTS[n] * turn[i, j]
-        for i in range(x.size):
+        for i in range(states):
             x[i] += h / 6.0 * total[i]
             for j in range(S.shape[1]):
                 S[i, j] += h / 6.0 * sum_[i, j]
@@ -151,6 +156,7 @@ def _advance(
 
 @lean
 def _take_row(
+    driven: Driven,
     row: Numbers,
     noise: Numbers,
     kept: tuple[Numbers, Numbers],
@@ -162,8 +168,7 @@ def _take_row(
 
     ``sums`` has innovations with their variances (n, 2), gradient and information.
     """
-    states = kept[0].size
-    axes = axes_of(states)
+    states, axes = states_of(driven), len(driven)
     cost, first = 0.0, lines.shape[1] - axes - 2 * states
     for m in range(states):
         read = row[m if m < ROLL_RATE else m + BESIDE]
@@ -180,7 +185,7 @@ def _take_row(
             cost += 0.5 * (math.log(2.0 * math.pi * moments[1]) + square)
             sums[0][m, 1] = moments[1]
             count_reading(moments, lines[0], lines[1], sums[1], sums[2])
-            take_slopes(m, moments, kept, slopes, lines)
+            take_slopes(driven, m, moments, kept, slopes, lines)
     return cost
 
 
@@ -195,20 +200,20 @@ def _predict(
 ) -> None:
     """Advance the covariance and its derivatives from row ``k`` to the next."""
     (table, rates), (A, phi, half, short), (dA, dphi, turned) = work
-    terms, values, free = system[1], system[2], system[3]
+    terms, values, free, driven = system[1], system[2], system[3], system[4]
     first = terms.shape[0] + NONLINEAR
     noise, T, c = values[first:], record[k, SECONDS], short[4]
     set_inputs(record, k, 0.5, c)
     _set_rates(system, kept[0], c, table, rates)
-    set_jacobian(rates, A)
+    set_jacobian(driven, rates, A)
     if slopes[0].shape[1] > 0:
-        matrix_slopes(rates, slopes[0], dA)
+        matrix_slopes(driven, rates, slopes[0], dA)
         own_slopes(system, (table, rates), kept[0], short, dA)
-    transition_slopes(A, dA, T, (phi, dphi), (half, turned))
-    _spread(phi, kept[1], noise, T, half)
-    spread_slopes(phi, dphi, half, slopes[1], (turned, dA))
+    transition_slopes(driven, A, dA, T, (phi, dphi), (half, turned))
+    _spread(driven, phi, kept[1], noise, T, half)
+    spread_slopes(driven, (phi, dphi), half, slopes[1], (turned, dA))
     if slopes[0].shape[1] > 0:
-        noise_slopes(phi, noise, T, free.shape[0], slopes[1])
+        noise_slopes(driven, phi, noise, T, free.shape[0], slopes[1])
 
 
 @kernel
@@ -217,11 +222,10 @@ def filter_record(
 ) -> float:
     """Return -log L of a record, infinite where the filter loses the ship.
 
-    Innovations and their variances go to ``errors`` (rows, n, 2); the states are so many.
-    ``gradient`` (q,) and the lower half of ``information`` (q, q) gain theirs; q may be 0.
+    Innovations and their variances go to ``errors`` (rows, n, 2). ``gradient`` (q,) and the lower half of ``information`` (q, q) gain theirs; q may be 0.
     """
-    count, first, n = gradient.size, system[1].shape[0] + NONLINEAR, errors.shape[1]
-    noise, x = system[2][first:], system[2][first + axes_of(n) + n :].copy()
+    count, first, n = gradient.size, system[1].shape[0] + NONLINEAR, states_of(system[4])
+    noise, x = system[2][first:], system[2][system[2].size - n :].copy()
     P, S, dP = np.zeros((n, n)), np.zeros((n, count)), np.zeros((n, n, count))
     for i in range(n if count > 0 else 0):
         S[i, count - n + i] = 1.0
@@ -234,7 +238,7 @@ def filter_record(
     lines, many, cost = np.empty((2 + n, count)), np.empty((3, n, count)), 0.0
     for k in range(record.shape[0]):
         sums = errors[k], gradient, information
-        cost += _take_row(record[k], noise, (x, P), (S, dP), lines, sums)
+        cost += _take_row(system[4], record[k], noise, (x, P), (S, dP), lines, sums)
         if not is_ship(x):
             return math.inf
         if k + 1 < record.shape[0]:
@@ -248,7 +252,7 @@ def filter_record(
 @kernel
 def sail_record(system: System, record: Numbers, out: Numbers) -> int:
     """Write the states (rows, n) by inputs alone; return for how many rows."""
-    n = out.shape[1]
+    n = states_of(system[4])
     x, S = system[2][system[2].size - n :].copy(), np.empty((n, 0))
     many, own = np.empty((3, n, 0)), np.empty((n, n))
     rows, places = rows_of(system[1]), 3 if n <= ROLL else PLACES

@@ -10,10 +10,11 @@ from trainer.identify.kernels.kernel import lean
 from trainer.identify.kernels.ship_forces import (
     AXES,
     ROLL_RATE,
+    Driven,
     System,
-    axes_of,
     coefficient_slopes,
-    state_of,
+    states_of,
+    units_of,
 )
 
 
@@ -33,6 +34,7 @@ def count_reading(
 
 @lean
 def take_slopes(
+    driven: Driven,
     m: int,
     moments: tuple[float, float],
     kept: tuple[Numbers, Numbers],
@@ -47,24 +49,28 @@ def take_slopes(
     error, s = moments
     x, P = kept
     S, dP = slopes
-    n = x.size
-    p = (P[0, m], P[1, m], P[2, m], P[3, m], P[n - 2, m], P[n - 1, m])
+    n = states_of(driven)
     for i in range(n):
         for j in range(S.shape[1]):
             lines[2 + i, j] = dP[i, m, j]
     for i in range(n):
-        gain = p[i] / s
+        p, gain = P[i, m], P[i, m] / s
         for j in range(S.shape[1]):
             turn = (lines[2 + i, j] - gain * lines[1, j]) / s
             S[i, j] += turn * error + gain * lines[0, j]
         for k in range(n):
+            other = P[k, m]
             for j in range(S.shape[1]):
-                both = lines[2 + i, j] * p[k] + p[i] * lines[2 + k, j]
-                dP[i, k, j] -= (both - gain * p[k] * lines[1, j]) / s
+                both = lines[2 + i, j] * other + p * lines[2 + k, j]
+                dP[i, k, j] -= (both - gain * other * lines[1, j]) / s
     for i in range(n):
-        x[i] += p[i] / s * error
+        x[i] += P[i, m] / s * error
         for k in range(n):
-            P[i, k] -= p[i] * p[k] / s
+            if k != m:
+                P[i, k] -= P[i, m] * P[k, m] / s
+    own = P[m, m]
+    for i in range(n):
+        P[i, m] -= P[i, m] * own / s
 
 
 @lean
@@ -79,15 +85,15 @@ def _bend(rates: Numbers, axis: int, i: int, k: int) -> float:
 
 
 @lean
-def matrix_slopes(rates: Numbers, S: Numbers, dA: Numbers) -> None:
+def matrix_slopes(driven: Driven, rates: Numbers, S: Numbers, dA: Numbers) -> None:
     """Write what the state's derivatives ``S`` do to the Jacobian, dA (n, n, q)."""
     dA[:] = 0.0
-    for axis in range(axes_of(S.shape[0])):
-        for i in range(S.shape[0]):
-            for k in range(S.shape[0]):
+    for axis in range(len(driven)):
+        for i in range(states_of(driven)):
+            for k in range(states_of(driven)):
                 bend = _bend(rates, axis, i, k)
                 for j in range(S.shape[1] if bend != 0.0 else 0):
-                    dA[state_of(axis), i, j] += bend * S[k, j]
+                    dA[driven[axis], i, j] += bend * S[k, j]
 
 
 @lean
@@ -98,17 +104,20 @@ def own_slopes(
 
     ``work`` is the table and the accelerations.
     """
-    for j in range(system[3].shape[0]):
-        coefficient_slopes(work[0], work[1], system, x, system[3][j, 0], own)
-        for e in range(axes_of(x.size)):
+    ship, terms, _, free, driven = system
+    units, heel = units_of(ship), (x[x.size - 2], x[x.size - 1])
+    for j in range(free.shape[0]):
+        coefficient_slopes(work, terms, driven, units, heel, free[j, 0], own)
+        for e in range(len(driven)):
             for i in range(3):
-                dA[state_of(e), i, j] += own[e, 1 + i]
-            for i in range(ROLL_RATE, x.size):
-                dA[state_of(e), i, j] += own[e, i]
+                dA[driven[e], i, j] += own[e, 1 + i]
+            for i in range(ROLL_RATE, states_of(driven)):
+                dA[driven[e], i, j] += own[e, i]
 
 
 @lean
 def _horner(
+    driven: Driven,
     A: Numbers,
     dA: Numbers,
     part: float,
@@ -118,16 +127,17 @@ def _horner(
     """Write I + part A H and its derivatives over H and dH, which ``power`` has."""
     H, dH = power
     half, turned = work
+    size = states_of(driven)
     half[:] = 0.0
     turned[:] = 0.0
-    for i in range(A.shape[0]):
-        for k in range(A.shape[0]):
-            for n in range(A.shape[0]):
+    for i in range(size):
+        for k in range(size):
+            for n in range(size):
                 half[i, k] += A[i, n] * H[n, k]
                 for j in range(dH.shape[2]):
                     turned[i, k, j] += dA[i, n, j] * H[n, k] + A[i, n] * dH[n, k, j]
-    for i in range(A.shape[0]):
-        for k in range(A.shape[0]):
+    for i in range(size):
+        for k in range(size):
             H[i, k] = part * half[i, k] + (1.0 if i == k else 0.0)
             for j in range(dH.shape[2]):
                 dH[i, k, j] = part * turned[i, k, j]
@@ -135,6 +145,7 @@ def _horner(
 
 @lean
 def transition_slopes(
+    driven: Driven,
     A: Numbers,
     dA: Numbers,
     T: float,
@@ -144,48 +155,55 @@ def transition_slopes(
     """Write the transition and its derivatives to ``power``; ``work`` is like both."""
     H, dH = power
     dH[:] = 0.0
-    for i in range(A.shape[0]):
-        for k in range(A.shape[0]):
+    for i in range(states_of(driven)):
+        for k in range(states_of(driven)):
             H[i, k] = 1.0 if i == k else 0.0
     for order in range(4, 0, -1):
-        _horner(A, dA, T / order, power, work)
+        _horner(driven, A, dA, T / order, power, work)
 
 
 @lean
 def spread_slopes(
-    phi: Numbers, dphi: Numbers, G: Numbers, dP: Numbers, work: tuple[Numbers, Numbers]
+    driven: Driven,
+    phi: tuple[Numbers, Numbers],
+    G: Numbers,
+    dP: Numbers,
+    work: tuple[Numbers, Numbers],
 ) -> None:
     """Advance ``dP`` to dphi G + (dphi G)' + phi dP phi'.
 
-    ``G`` is (P + T/2 R1) phi'.
+    ``phi`` is the transition with its derivatives, ``G`` is (P + T/2 R1) phi'.
     """
-    turned, half = work
-    for i in range(phi.shape[0]):
-        for k in range(phi.shape[0]):
+    (phi_, dphi), (turned, half) = phi, work
+    size = states_of(driven)
+    for i in range(size):
+        for k in range(size):
             for j in range(dP.shape[2]):
                 turned[i, k, j] = 0.0
                 half[i, k, j] = 0.0
-            for n in range(phi.shape[0]):
+            for n in range(size):
                 for j in range(dP.shape[2]):
                     turned[i, k, j] += dphi[i, n, j] * G[n, k]
-                    half[i, k, j] += dP[i, n, j] * phi[k, n]
-    for i in range(phi.shape[0]):
+                    half[i, k, j] += dP[i, n, j] * phi_[k, n]
+    for i in range(size):
         for k in range(i + 1):
             for j in range(dP.shape[2]):
                 total = turned[i, k, j] + turned[k, i, j]
-                for n in range(phi.shape[0]):
-                    total += phi[i, n] * half[n, k, j]
+                for n in range(size):
+                    total += phi_[i, n] * half[n, k, j]
                 dP[i, k, j] = total
                 dP[k, i, j] = total
 
 
 @lean
-def noise_slopes(phi: Numbers, noise: Numbers, T: float, first: int, dP: Numbers) -> None:
+def noise_slopes(
+    driven: Driven, phi: Numbers, noise: Numbers, T: float, first: int, dP: Numbers
+) -> None:
     """Add the derivatives by the disturbances' logarithms, ``first`` on, to ``dP``."""
-    for g in range(axes_of(phi.shape[0])):
-        weight, s = T * noise[g] * noise[g], state_of(g)
-        for i in range(phi.shape[0]):
-            for k in range(phi.shape[0]):
+    for g in range(len(driven)):
+        weight, s = T * noise[g] * noise[g], driven[g]
+        for i in range(states_of(driven)):
+            for k in range(states_of(driven)):
                 dP[i, k, first + g] += weight * phi[i, s] * phi[k, s]
         dP[s, s, first + g] += weight
 
@@ -203,18 +221,19 @@ def rate_slopes(
 
     ``work`` is the table and the accelerations; ``own`` is scratch.
     """
-    table, rates = work
-    for e in range(axes_of(x.size)):
+    ship, terms, _, free, driven = system
+    rates, units, heel = work[1], units_of(ship), (x[x.size - 2], x[x.size - 1])
+    for e in range(len(driven)):
         for j in range(S.shape[1]):
-            out[state_of(e), j] = 0.0
+            out[driven[e], j] = 0.0
             for i in range(3):
-                out[state_of(e), j] += rates[e, 1 + i] * S[i, j]
-            for i in range(ROLL_RATE, x.size):
-                out[state_of(e), j] += rates[AXES * (i - 3) + e, 0] * S[i, j]
-    for i in range(3, x.size, 2):
+                out[driven[e], j] += rates[e, 1 + i] * S[i, j]
+            for i in range(ROLL_RATE, states_of(driven)):
+                out[driven[e], j] += rates[AXES * (i - 3) + e, 0] * S[i, j]
+    for i in range(3, states_of(driven), 2):
         for j in range(S.shape[1]):
             out[i, j] = S[i - 1, j]
-    for j in range(system[3].shape[0] if S.shape[1] > 0 else 0):
-        coefficient_slopes(table, rates, system, x, system[3][j, 0], own)
-        for e in range(axes_of(x.size)):
-            out[state_of(e), j] += own[e, 0]
+    for j in range(free.shape[0] if S.shape[1] > 0 else 0):
+        coefficient_slopes(work, terms, driven, units, heel, free[j, 0], own)
+        for e in range(len(driven)):
+            out[driven[e], j] += own[e, 0]

@@ -25,17 +25,22 @@ from trainer.identify.kernels.forward_numbers import (
     run_steps,
     second_place,
 )
-from trainer.identify.kernels.kernel import lean
+from trainer.identify.kernels.kernel import lean, part
 
 Terms = NDArray[np.int64]
-System = tuple[Numbers, Terms, Numbers, Terms]  # ship, terms, values, places of the free ones
+Units = tuple[float, float]  # length [m], stiffness of roll [1/s^2]
+Driven = tuple[int, ...]  # places in the state of what the equations accelerate
+# ship, terms, values, places of the free ones; the last one's length is known to the compiler
+System = tuple[Numbers, Terms, Numbers, Terms, Driven]
 
 NONLINEAR: Final = 5  # coefficients that are not factors of a term
 SHIP: Final = 6  # length, propeller diameter, three coefficients of K_T, 1-w
 ADVANCE: Final = 6  # place of the ship's own advance [m] a turn, after these
-STIFFNESS: Final = 7  # and of g GM/k^2 [1/s^2], where there is roll
+STIFFNESS: Final = 7  # and of g GM/k^2 [1/s^2] of roll
 ROLL_RATE, ROLL = 4, 5  # places in the state
-AXES: Final = 4  # equations, with roll
+LEVEL: Final = (0, 1, 2)  # equations without roll
+HEELING: Final = (0, 1, 2, ROLL_RATE)  # and with it
+AXES: Final = len(HEELING)
 PLACES: Final = 3 * AXES
 # further constants: rudder, its sine and cosine, revolutions, wind, the speed that the revolutions
 # hold, and numbers of the equations
@@ -138,7 +143,7 @@ def set_terms(table: Numbers, ship: Numbers, x: Numbers, c: Numbers, rudder: Num
     """Write every term at state ``x`` (u, v, r) and inputs ``c``, times U^2/L.
 
     ``ship`` is length, propeller diameter, three coefficients of K_T, 1-w and the advance a turn,
-    then the stiffness of roll where there is any;
+    then the stiffness of roll;
     ``c`` is rudder [rad], revolutions [1/s] and relative wind from ahead and from starboard [m/s];
     ``rudder`` is gamma, l, kappa, c_w and gamma_a. A table of fewer rows has fewer terms.
     """
@@ -167,17 +172,25 @@ def rows_of(terms: Terms) -> int:
     return most
 
 
-@lean
-def _in_units(factor: float, place: int, ship: Numbers) -> float:
+@part
+def units_of(ship: Numbers) -> Units:
+    """Return the length, and the stiffness of roll."""
+    return ship[0], ship[STIFFNESS]
+
+
+@part
+def _in_units(factor: float, place: int, units: Units) -> float:
     """Return a factor in the units of its place: yaw and roll are over the length.
 
     Roll's own stiffness and damping are in units of those that the ship's file says.
     """
-    if place in (2, 3, 10):
-        return factor / ship[0]
+    if place < 2:
+        return factor
+    if place in (2, 3, 2 * AXES + 2):
+        return factor / units[0]
     if place == AXES + 3:
-        return factor * math.sqrt(ship[STIFFNESS])
-    return factor * ship[STIFFNESS] if place == 2 * AXES + 3 else factor
+        return factor * math.sqrt(units[1])
+    return factor * units[1] if place == 2 * AXES + 3 else factor
 
 
 @lean
@@ -186,77 +199,81 @@ def add_terms(table: Numbers, terms: Terms, factors: Numbers, ship: Numbers, out
 
     Without roll there are three places: du/dt, dv/dt and dr/dt.
     """
+    units = units_of(ship)
     for e in range(out.shape[0]):
         for i in range(out.shape[1]):
             out[e, i] = 0.0
     for j in range(terms.shape[0]):
         place = terms[j, 0]
-        factor = _in_units(factors[j], place, ship)
+        factor = _in_units(factors[j], place, units)
         for i in range(out.shape[1]):
             out[place, i] += factor * table[terms[j, 1], i]
 
 
 @lean
 def add_heel(x: Numbers, out: Numbers) -> None:
-    """Add to the accelerations what is times roll rate and roll, where there is roll."""
-    for e in range(AXES if x.size > ROLL else 0):
+    """Add to the accelerations what is times roll rate and roll."""
+    for e in range(AXES):
         for i in range(out.shape[1]):
             heeled = x[ROLL_RATE] * out[AXES + e, i] + x[ROLL] * out[2 * AXES + e, i]
             out[e, i] += heeled
 
 
-@lean
-def axes_of(states: int) -> int:
-    """Return how many equations there are of so many states."""
-    return states // 2 + 1
+@part
+def states_of(driven: Driven) -> int:
+    """Return how many states there are."""
+    return 2 * len(driven) - 2
 
 
 @lean
-def state_of(axis: int) -> int:
-    """Return the place in the state of what an equation accelerates."""
-    return ROLL_RATE if axis == AXES - 1 else axis
-
-
-@lean
-def set_jacobian(rates: Numbers, A: Numbers) -> None:
+def set_jacobian(driven: Driven, rates: Numbers, A: Numbers) -> None:
     """Write df/dx (n, n) from the forward numbers of the accelerations."""
     A[:] = 0.0
-    for e in range(axes_of(A.shape[0])):
+    for e in range(len(driven)):
         for i in range(3):
-            A[state_of(e), i] = rates[e, 1 + i]
-        for i in range(ROLL_RATE, A.shape[0]):
-            A[state_of(e), i] = rates[AXES * (i - 3) + e, 0]
-    for i in range(3, A.shape[0], 2):
+            A[driven[e], i] = rates[e, 1 + i]
+        for i in range(ROLL_RATE, states_of(driven)):
+            A[driven[e], i] = rates[AXES * (i - 3) + e, 0]
+    for i in range(3, states_of(driven), 2):
         A[i, i - 1] = 1.0
 
 
-@lean
+@part
 def coefficient_slopes(
-    table: Numbers, rates: Numbers, system: System, x: Numbers, which: int, out: Numbers
+    work: tuple[Numbers, Numbers],
+    terms: Terms,
+    driven: Driven,
+    units: Units,
+    heel: tuple[float, float],
+    which: int,
+    out: Numbers,
 ) -> None:
     """Write d/d(coefficient) of the accelerations, and of their derivatives by u, v, r.
 
     ``out`` is (3, 4) or more; with roll (4, 6), where the last two are by roll rate and roll.
-    ``which`` counts the factors of the terms first, then the nonlinear coefficients.
+    ``work`` is the table and the accelerations, ``heel`` roll rate and roll; ``which`` counts the
+    factors of the terms first, then the nonlinear coefficients.
     """
-    ship, terms = system[0], system[1]
-    for e in range(axes_of(x.size)):
-        for i in range(x.size):
+    table, rates = work
+    for e in range(len(driven)):
+        for i in range(states_of(driven)):
             out[e, i] = 0.0
     if which < terms.shape[0]:
         place, row = terms[which, 0], terms[which, 1]
-        axis, by = place % AXES, place // AXES
+        axis = place if place < 3 else place % AXES
         for i in range(4):
-            own = _in_units(table[row, i], place, ship)
-            out[axis, i] = own * x[3 + by] if by > 0 else own
-        if by > 0:
-            out[axis, 3 + by] = _in_units(table[row, 0], place, ship)
+            out[axis, i] = _in_units(table[row, i], place, units)
+        if place >= AXES:
+            by = place // AXES - 1
+            out[axis, ROLL_RATE + by] = out[axis, 0]
+            for i in range(4):
+                out[axis, i] *= heel[by]
         return
     direction = 3 + which - terms.shape[0]
-    for e in range(axes_of(x.size)):
+    for e in range(len(driven)):
         out[e, 0] = rates[e, 1 + direction]
         if rates.shape[1] > FIRST:
             for i in range(3):
                 out[e, 1 + i] = rates[e, second_place(i, direction)]
-        for i in range(ROLL_RATE, x.size):
+        for i in range(ROLL_RATE, states_of(driven)):
             out[e, i] = rates[AXES * (i - 3) + e, 1 + direction]

@@ -14,7 +14,7 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record, sail_record
-from trainer.identify.kernels.ship_forces import System
+from trainer.identify.kernels.ship_forces import LEVEL, System
 from trainer.identify.kernels.ship_forces import Terms
 from trainer.identify.ships.models import Model
 from trainer.identify.ships.records import Trial
@@ -79,7 +79,7 @@ class Problem:
 
     def _system(self, a: Numbers, record: int) -> System:
         """Return what the kernels take as a system for one record."""
-        return self.constants, self._terms, self.values(a, record), self._places
+        return self.constants, self._terms, self.values(a, record), self._places, LEVEL
 
     def penalty(self, a: Numbers) -> float:
         """Return what the prior adds to -log L."""
@@ -129,7 +129,7 @@ class Problem:
     def sail(self, a: Numbers, trial: Trial) -> Numbers:
         """Return the states (n, 4) by inputs alone, NaN from where it is no ship."""
         values = np.concatenate([self.values(a, 0)[:-4], first_state(trial)])
-        system = self.constants, self._terms, values, self._places
+        system = self.constants, self._terms, values, self._places, LEVEL
         out = np.full((len(trial.table), 4), math.nan)
         last = sail_record(system, trial.table, out)
         out[last:] = math.nan

@@ -146,7 +146,7 @@ class ShipFile:
         """Return length, diameter, K_T's three numbers, 1-w and advance, as the kernels do."""
         hull = self.dimensions
         propeller = hull.propeller_diameter_m, *hull.thrust, 1.0 - hull.wake_fraction
-        return np.array([hull.length_m, *propeller, hull.advance_m or 0.0])
+        return np.array([hull.length_m, *propeller, hull.advance_m or 0.0, 0.0])
 
 
 def is_ship(path: Path) -> bool:
