@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.ship_forces import ROWS, set_terms
-from trainer.identify.ships.likelihood import DISTURBANCES, Problem, first_state, floors_of
+from trainer.identify.kernels.ship_forces import ROLL_RATE, ROWS, STIFFNESS, set_terms
+from trainer.identify.ships.likelihood import Problem, first_state, floors_of
 from trainer.identify.ships.models import AXES, NONLINEAR, Model, Prior
 from trainer.identify.ships.records import Trial
 
@@ -67,7 +67,7 @@ class Fit:
 
     @property
     def prior_share(self) -> Numbers:
-        """Return how much of each common parameter's precision is the prior's (p + 7,)."""
+        """Return how much of each common parameter's precision is the prior's."""
         common = self.problem.common
         return np.asarray(np.diag(self.covariance)[:common] / self.problem.width**2)
 
@@ -87,39 +87,57 @@ def problem_of(
     """Return the problem of fitting a model to records, with what books say."""
     trials = tuple(trials)
     p = len(model.free)
-    mean, width = np.zeros(p + 7), np.full(p + 7, math.inf)
+    count, axes = p + len(model.noises), len(model.driven)
+    mean, width = np.zeros(count), np.full(count, math.inf)
     for j, name in enumerate(model.free):
         if name in prior and strength > 0.0:
             mean[j], width[j] = prior[name][0], prior[name][1] * strength
-    mean[p:], width[p : p + 3] = _first_noise(trials), WIDTH
+    mean[p:], width[p : p + axes] = _first_noise(trials, model), WIDTH
     unread = ~np.isfinite(np.vstack([trial.readings for trial in trials])).any(axis=0)
-    width[p + 3 :][unread] = UNREAD
+    width[p + axes :][unread] = UNREAD
     return Problem(model, constants, trials, mean, width, floors_of(trials))
 
 
-def _first_noise(trials: tuple[Trial, ...]) -> Numbers:
-    """Return the logarithms of disturbances and errors that a search begins with (7,)."""
+def _first_noise(trials: tuple[Trial, ...], model: Model) -> Numbers:
+    """Return the logarithms of disturbances and errors that a search begins with."""
     rows = np.vstack([trial.readings for trial in trials])
     seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
-    spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1e-2 for i in range(4)])
+    spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1e-2 for i in range(len(seen))])
     spread = np.maximum(spread, 1e-9)
     step = float(np.median(np.concatenate([np.diff(trial.t) for trial in trials])))
-    return np.log([*(QUIET[0] * spread[:3] / math.sqrt(10.0 * step)), *(QUIET[1] * spread)])
+    moving = spread[[*model.driven]]
+    if len(seen) > ROLL_RATE and not seen[ROLL_RATE]:
+        moving[-1] = max(np.std(np.concatenate([_roll_rate(trial) for trial in trials])), 1e-9)
+    return np.log([*(QUIET[0] * moving / math.sqrt(10.0 * step)), *(QUIET[1] * spread)])
+
+
+def _roll_rate(trial: Trial) -> Numbers:
+    """Return the roll rate [rad/s] of the rolls that were read."""
+    return np.asarray(np.gradient(_filled(trial.t, trial.readings[:, ROLL_RATE + 1]), trial.t))
 
 
 def smooth(trial: Trial, length: float) -> tuple[Numbers, Numbers]:
-    """Return u, v, r and their derivatives (n, 3) by Savitzky and Golay's cubic."""
+    """Return u, v, r and their derivatives (n, 3) by Savitzky and Golay's cubic.
+
+    With roll the first are u, v, r, p and phi, and the others those of u, v, r and p.
+    """
     from scipy.signal import savgol_filter  # noqa: PLC0415
 
     rows = trial.readings.copy()
     if np.isnan(rows[:, 2]).all():
         rows[:, 2] = np.gradient(_filled(trial.t, rows[:, 3]), trial.t)
-    rows = np.column_stack([_filled(trial.t, rows[:, i]) for i in range(3)])
+    places = [0, 1, 2]
+    if rows.shape[1] > ROLL_RATE:
+        places += [ROLL_RATE, ROLL_RATE + 1]
+        if np.isnan(rows[:, ROLL_RATE]).all():
+            rows[:, ROLL_RATE] = _roll_rate(trial)
+    rows = np.column_stack([_filled(trial.t, rows[:, i]) for i in places])
     step = float(np.median(np.diff(trial.t)))
     wanted = WINDOW * length / float(np.mean(rows[:, 0])) / step
     window = min(max(2 * int(wanted / 2.0) + 1, CUBIC + 2), (len(rows) - 1) // 2 * 2 + 1)
     smoothed = savgol_filter(rows, window, CUBIC, axis=0)
-    return smoothed, savgol_filter(rows, window, CUBIC, deriv=1, delta=step, axis=0)
+    slopes = savgol_filter(rows, window, CUBIC, deriv=1, delta=step, axis=0)
+    return smoothed, slopes[:, : trial.readings.shape[1] // 2 + 1]
 
 
 def _filled(t: Numbers, values: Numbers) -> Numbers:
@@ -137,6 +155,17 @@ def tabulated(constants: Numbers, states: Numbers, inputs: Numbers, rudder: Numb
     return out
 
 
+def terms_of(problem: Problem, states: Numbers, inputs: Numbers, rudder: Numbers) -> Numbers:
+    """Return what each factor is times at smoothed samples (n, factors), yaw and roll times L."""
+    L, stiffness = problem.constants[0], problem.constants[STIFFNESS]
+    rows, found = tabulated(problem.constants, states, inputs, rudder), []
+    for place, row in problem.model.terms:
+        axis, by = place % len(AXES), place // len(AXES)
+        own = rows[:, row] * states[:, 2 + by] if by else rows[:, row]
+        found.append(own * L * stiffness ** (0.5 * by) if by and axis == 3 else own)
+    return np.column_stack(found)
+
+
 def _regression(problem: Problem) -> Numbers:
     """Return the coefficients by least squares of the smoothed accelerations, with the prior."""
     length = problem.constants[0]
@@ -144,18 +173,18 @@ def _regression(problem: Problem) -> Numbers:
     smoothed = [smooth(trial, length) for trial in problem.trials]
     terms = np.vstack(
         [
-            tabulated(problem.constants, states, trial.inputs, rudder)
+            terms_of(problem, states, trial.inputs, rudder)
             for (states, _), trial in zip(smoothed, problem.trials, strict=True)
         ]
     )
-    target = np.vstack([rates for _, rates in smoothed]) * (1.0, 1.0, length)
     model = problem.model
-    for (axis, row), factor in zip(
-        model.terms, model.whole(dict.fromkeys(model.free, 0.0)), strict=False
-    ):
-        target[:, axis] -= factor * terms[:, row]
+    scale = (1.0, 1.0, length, length)[: len(model.driven)]
+    target = np.vstack([rates for _, rates in smoothed]) * scale
+    held = model.whole(dict.fromkeys(model.free, 0.0))
+    for j, (place, _) in enumerate(model.terms):
+        target[:, place % len(AXES)] -= held[j] * terms[:, j]
     values = {name: float(x) for name, x in zip(NONLINEAR, rudder, strict=True)}
-    for axis, letter in enumerate(AXES):
+    for axis, letter in enumerate(AXES[: len(model.driven)]):
         values |= _solve_axis(problem, letter, terms, target[:, axis])
     return np.array([values[name] for name in model.free])
 
@@ -163,11 +192,10 @@ def _regression(problem: Problem) -> Numbers:
 def _solve_axis(problem: Problem, letter: str, terms: Numbers, target: Numbers) -> dict[str, float]:
     """Return the coefficients of one equation."""
     model = problem.model
-    rows = dict(zip(model.names, model.terms[:, 1], strict=False))
     names = [name for name in model.free if name[:2] == f"{letter}_"]
     places = [model.free.index(name) for name in names]
     weight = 1.0 / max(LEFT * float(np.var(target)), 1e-30)
-    A, known = terms[:, [rows[name] for name in names]], problem.width[places] ** -2.0
+    A, known = terms[:, [model.names.index(name) for name in names]], problem.width[places] ** -2.0
     left = weight * A.T @ A + np.diag(known)
     right = weight * A.T @ target + known * problem.mean[places]
     unit = 1.0 / np.sqrt(np.maximum(np.diag(left), 1e-300))
@@ -196,7 +224,7 @@ def _draw(problem: Problem, begin: Numbers, stream: np.random.Generator) -> Numb
     known = np.isfinite(problem.width[:p])
     drawn = problem.mean[:p] + 2.0 * problem.width[:p] * stream.standard_normal(p)
     a[:p][known] = drawn[known]
-    a[p : p + 7] += stream.uniform(-2.0, 2.0, 7)
+    a[p : problem.common] += stream.uniform(-2.0, 2.0, problem.common - p)
     return a
 
 
@@ -302,8 +330,7 @@ def _with_intervals(problem: Problem, found: Found, others: tuple[float, ...]) -
         return Fit(problem, found, a, empty, empty, others)
     C, p = _inverse(H), len(problem.model.free)
     share = np.diag(C)[: problem.common] / problem.width**2
-    for axis, _ in enumerate(DISTURBANCES):
-        letters = ("X", "Y", "Nglkc")[axis]
+    for axis, letters in enumerate(("X", "Y", "Nglkc", "K")[: len(problem.model.driven)]):
         taken = sum(
             1.0 - share[j] for j, name in enumerate(problem.model.free) if name[0] in letters
         )

@@ -1,8 +1,8 @@
 """The likelihood of a ship's records with what books say: value, gradient and information.
 
 A parameter vector has the free coefficients, the logarithms of the disturbances of u, v and r and
-of the errors of u, v, r and heading, then a first state for each record. Coefficients and noise
-are common to all records.
+of the errors of u, v, r and heading, then a first state for each record; with roll there are a
+disturbance, two errors and two states more. Coefficients and noise are common to all records.
 """
 
 import math
@@ -14,14 +14,10 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record, sail_record
-from trainer.identify.kernels.ship_forces import LEVEL, System
-from trainer.identify.kernels.ship_forces import Terms
+from trainer.identify.kernels.ship_forces import System, Terms
 from trainer.identify.ships.models import Model
 from trainer.identify.ships.records import Trial
 
-DISTURBANCES: Final = ("sigma_w_u", "sigma_w_v", "sigma_w_r")
-ERRORS: Final = ("sigma_e_u", "sigma_e_v", "sigma_e_r", "sigma_e_psi")
-NOISES: Final = (*DISTURBANCES, *ERRORS)
 NO_SLOPES: Final = np.empty(0), np.empty((0, 0))
 FINEST: Final = 1e-4  # [-] of a channel's own spread: no error of readings is smaller
 
@@ -33,24 +29,24 @@ class Problem:
     model: Model
     constants: Numbers  # of the ship, as the kernels take them
     trials: tuple[Trial, ...]
-    mean: Numbers  # (p + 7,)
-    width: Numbers  # (p + 7,)
-    floors: Numbers  # (4,) of the errors of readings
+    mean: Numbers  # of the common parameters
+    width: Numbers
+    floors: Numbers  # of the errors of readings
 
     @property
     def names(self) -> tuple[str, ...]:
         """Return the names of the common parameters."""
-        return (*self.model.free, *NOISES)
+        return (*self.model.free, *self.model.noises)
 
     @property
     def common(self) -> int:
         """Return how many parameters are common to all records."""
-        return len(self.model.free) + len(NOISES)
+        return len(self.model.free) + len(self.model.noises)
 
     @property
     def size(self) -> int:
         """Return how many parameters there are."""
-        return self.common + 4 * len(self.trials)
+        return self.common + self.model.states * len(self.trials)
 
     @cached_property
     def _terms(self) -> Terms:
@@ -67,19 +63,22 @@ class Problem:
         return dict(zip(self.model.free, map(float, a), strict=False))
 
     def noise(self, a: Numbers) -> Numbers:
-        """Return the standard deviations of disturbances and errors (7,)."""
-        p = len(self.model.free)
-        return np.exp(a[p : p + 7])
+        """Return the standard deviations of disturbances and errors."""
+        return np.exp(a[len(self.model.free) : self.common])
+
+    def first_places(self, record: int) -> slice:
+        """Return the places of the first state of a record."""
+        first = self.common + self.model.states * record
+        return slice(first, first + self.model.states)
 
     def values(self, a: Numbers, record: int) -> Numbers:
         """Return what the kernels take for one record."""
-        first = self.common + 4 * record
         whole = self.model.whole(self.coefficients(a))
-        return np.concatenate([whole, self.noise(a), a[first : first + 4]])
+        return np.concatenate([whole, self.noise(a), a[self.first_places(record)]])
 
     def _system(self, a: Numbers, record: int) -> System:
         """Return what the kernels take as a system for one record."""
-        return self.constants, self._terms, self.values(a, record), self._places, LEVEL
+        return self.constants, self._terms, self.values(a, record), self._places, self.model.driven
 
     def penalty(self, a: Numbers) -> float:
         """Return what the prior adds to -log L."""
@@ -92,7 +91,7 @@ class Problem:
             return math.inf
         total = self.penalty(a)
         for i, trial in enumerate(self.trials):
-            errors = np.empty((len(trial.table), 4, 2))
+            errors = np.empty((len(trial.table), self.model.states, 2))
             total += filter_record(self._system(a, i), trial.table, errors, *NO_SLOPES)
         return float(total)
 
@@ -104,7 +103,7 @@ class Problem:
         np.fill_diagonal(information[: self.common, : self.common], self.width**-2.0)
         for i in range(len(self.trials)):
             cost, own, known = self._record_slopes(a, i)
-            places = np.r_[: self.common, self.common + 4 * i : self.common + 4 * i + 4]
+            places = np.r_[: self.common, self.first_places(i)]
             total += cost
             gradient[places] += own
             information[np.ix_(places, places)] += known
@@ -112,25 +111,26 @@ class Problem:
 
     def _record_slopes(self, a: Numbers, record: int) -> tuple[float, Numbers, Numbers]:
         """Return -log L, gradient and information of one record."""
-        count = self.common + 4
+        count = self.common + self.model.states
         gradient, known = np.zeros(count), np.zeros((count, count))
         table = self.trials[record].table
-        errors = np.empty((len(table), 4, 2))
+        errors = np.empty((len(table), self.model.states, 2))
         cost = filter_record(self._system(a, record), table, errors, gradient, known)
         return float(cost), gradient, np.tril(known) + np.tril(known, -1).T
 
     def innovations(self, a: Numbers, record: int) -> Numbers:
-        """Return the standardised innovations (n, 4) of a record, NaN where none was read."""
+        """Return the standardised innovations of a record, NaN where none was read."""
         trial = self.trials[record]
-        errors = np.empty((len(trial.table), 4, 2))
+        errors = np.empty((len(trial.table), self.model.states, 2))
         filter_record(self._system(a, record), trial.table, errors, *NO_SLOPES)
         return np.asarray(errors[:, :, 0] / np.sqrt(errors[:, :, 1]))
 
     def sail(self, a: Numbers, trial: Trial) -> Numbers:
-        """Return the states (n, 4) by inputs alone, NaN from where it is no ship."""
-        values = np.concatenate([self.values(a, 0)[:-4], first_state(trial)])
-        system = self.constants, self._terms, values, self._places, LEVEL
-        out = np.full((len(trial.table), 4), math.nan)
+        """Return the states (rows, n) by inputs alone, NaN from where it is no ship."""
+        states = self.model.states
+        values = np.concatenate([self.values(a, 0)[:-states], first_state(trial)])
+        system = self.constants, self._terms, values, self._places, self.model.driven
+        out = np.full((len(trial.table), states), math.nan)
         last = sail_record(system, trial.table, out)
         out[last:] = math.nan
         return out
@@ -140,7 +140,7 @@ class Problem:
         """Return the lower limits of the parameters, which the errors of readings have alone."""
         limits = np.full(self.size, -math.inf)
         with np.errstate(divide="ignore"):
-            limits[self.common - 4 : self.common] = np.log(self.floors)
+            limits[self.common - self.model.states : self.common] = np.log(self.floors)
         return limits
 
     def fixing(self, names: tuple[str, ...]) -> "Problem":
@@ -160,8 +160,8 @@ FIRST_ROWS: Final = 11
 def first_state(trial: Trial) -> Numbers:
     """Return the first state, by a quadratic through the first readings of each channel."""
     t, rows = trial.t[:FIRST_ROWS] - trial.t[0], trial.readings[:FIRST_ROWS]
-    state = np.zeros(4)
-    for i in range(4):
+    state = np.zeros(rows.shape[1])
+    for i in range(len(state)):
         known = np.isfinite(rows[:, i])
         if np.count_nonzero(known) > 2:
             state[i] = np.polyfit(t[known], rows[known, i], 2)[-1]
@@ -172,8 +172,8 @@ def first_state(trial: Trial) -> Numbers:
 
 
 def floors_of(trials: tuple[Trial, ...]) -> Numbers:
-    """Return the smallest errors of readings (4,) that are believed: a share of their spread."""
+    """Return the smallest errors of readings that are believed: a share of their spread."""
     rows = np.vstack([trial.readings for trial in trials])
     seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
-    spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1.0 for i in range(4)])
+    spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1.0 for i in range(len(seen))])
     return np.asarray(FINEST * np.maximum(spread, 1e-12))

@@ -2,7 +2,9 @@
 
 A coefficient is named by its equation and its term: ``N_vvr`` is the factor of v'^2 r' in the yaw
 equation, an acceleration in prime units (over U^2/L, in yaw over U^2/L^2). ``mmg`` has the rudder
-in the slipstream; ``abkowitz``, ``mavmm`` and ``linear`` have the rudder's angle.
+in the slipstream; ``abkowitz``, ``mavmm`` and ``linear`` have the rudder's angle. A ship whose
+file has ``[roll]`` has an equation more in any of them, K; K_phi and K_p are in units of the
+stiffness g GM/k^2 and of its root.
 """
 
 import math
@@ -14,10 +16,10 @@ import numpy as np
 
 from trainer.config.files import ConfigError, nearest
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.ship_forces import TERM_ROWS, Terms
+from trainer.identify.kernels.ship_forces import HEELING, LEVEL, TERM_ROWS, Driven, Terms
 from trainer.identify.ships.ship_file import Dimensions, ShipFile
 
-AXES: Final = "XYN"
+AXES: Final = "XYNK"
 NONLINEAR: Final = ("gamma", "l", "kappa", "c_w", "gamma_a")
 FIXED: Final = {"gamma": 0.5, "l": -0.71, "kappa": 0.5, "c_w": 0.0, "gamma_a": 0.0}
 CUBES: Final = "vvv vvr vrr rrr"
@@ -28,11 +30,16 @@ MODELS: Final[Mapping[str, tuple[str, str]]] = {  # terms of surge; of sway and 
     "mmg": ("0 T vv vr rr F", f"0 v r {CUBES} F"),
 }
 WIND: Final = ("X_w", "Y_w", "N_w", "N_ww")
+OF_ROLL: Final = ("K_phi", "K_p", "Y_phi", "N_phi")  # times roll or roll rate
+NOISES: Final = (  # of each equation, and of each reading
+    ("sigma_w_u", "sigma_w_v", "sigma_w_r", "sigma_w_p"),
+    ("sigma_e_u", "sigma_e_v", "sigma_e_r", "sigma_e_psi", "sigma_e_p", "sigma_e_phi"),
+)
 ABKOWITZ: Final = {  # his terms beside the cubes: nothing, unless a ship's file gives them
     "X": "u uu uuu udd vd uvd",
     **dict.fromkeys("YN", "u uu vu ru ud uud ddd vdd"),
 }
-FURTHER: Final = tuple(f"{axis}_{term}" for axis in AXES for term in ABKOWITZ[axis].split())
+FURTHER: Final = tuple(f"{axis}_{term}" for axis in ABKOWITZ for term in ABKOWITZ[axis].split())
 OF_SPEED: Final = ("X_u", "X_uu", "X_uuu")  # which have the thrust in them, so that these do not
 OF_THRUST: Final = ("X_T", "Y_Td", "N_Td")
 
@@ -70,6 +77,18 @@ TANKER: Final[Prior] = {
     "kappa": (0.5, 0.02),
     "c_w": (0.4, 0.2),
 }
+# Of the order of a container ship of small GM (Son and Nomoto 1981), from memory: as wide as known
+HEEL: Final[Prior] = {
+    "K_0": (0.0, 1.0),
+    "K_v": (8.0, 16.0),
+    "K_r": (-2.0, 8.0),
+    "K_F": (3.0, 6.0),
+    "K_w": (0.0, 0.02),
+    "K_phi": (-1.0, 0.4),
+    "K_p": (-0.1, 0.2),
+    "Y_phi": (0.0, 0.1),
+    "N_phi": (-0.2, 0.5),
+}
 HULL: Final = tuple(f"{axis}_{term}" for axis in "YN" for term in ("v", "r"))
 SHARE: Final = 0.45  # [-] of a mean by formula that is its standard deviation
 GYRATION: Final = 0.25  # [L] radius of a ship
@@ -87,10 +106,21 @@ class Model:
     names: tuple[str, ...]  # factors of terms, then the nonlinear ones
     free: tuple[str, ...]
     held: Mapping[str, float] = field(default_factory=dict)  # by the ship's file, where it has them
+    driven: Driven = LEVEL  # the equations' places in the state
+
+    @property
+    def states(self) -> int:
+        """Return how many states there are, and readings."""
+        return 2 * len(self.driven) - 2
+
+    @property
+    def noises(self) -> tuple[str, ...]:
+        """Return the names of disturbances and of errors of readings."""
+        return (*NOISES[0][: len(self.driven)], *NOISES[1][: self.states])
 
     @property
     def terms(self) -> Terms:
-        """Return axis and row of each factor."""
+        """Return place and row of each factor."""
         return np.array([_term(name) for name in self.names[: -len(NONLINEAR)]])
 
     @property
@@ -109,8 +139,11 @@ class Model:
 
 
 def _term(name: str) -> tuple[int, int]:
-    """Return axis and row of the term of a coefficient."""
+    """Return place and row of the term of a coefficient."""
     axis, _, term = name.partition("_")
+    if name in OF_ROLL:
+        times = 1 if term == "p" else 2
+        return AXES.index(axis) + times * len(AXES), TERM_ROWS["one" if axis == "K" else "1"]
     own = {"X_F": "X_F", "X_w": "X_w"}.get(name, "1" if term == "0" else term)
     return AXES.index(axis), TERM_ROWS[own]
 
@@ -125,12 +158,26 @@ def model_of(name: str, *, wind: bool) -> Model:
     return Model(name, (*factors, *NONLINEAR), (*factors, *curved))
 
 
-def model_for(ship: ShipFile, name: str, *, wind: bool) -> Model:
-    """Return the model with the further terms that a ship's file gives. ConfigError.
+def heeling(model: Model) -> Model:
+    """Return a model with roll."""
+    rudder = "K_F" if "N_F" in model.names else "K_d"
+    wind = ("K_w",) if "N_w" in model.names else ()
+    own = ("K_0", "K_v", "K_r", rudder, *wind, *OF_ROLL)
+    names, free = (
+        (*(name for name in given if name not in NONLINEAR), *own, *(x for x in given if x in NONLINEAR))
+        for given in (model.names, model.free)
+    )
+    return replace(model, names=names, free=free, driven=HEELING)
 
-    They are held. Where surge has speed in them the thrust is part of that, and held at nothing.
+
+def model_for(ship: ShipFile, name: str, *, wind: bool) -> Model:
+    """Return the model with roll and further terms, where a ship's file gives them. ConfigError.
+
+    Further terms are held. Where surge has speed in them the thrust is part of that, and held at nothing.
     """
     model = model_of(name, wind=wind)
+    if ship.roll is not None:
+        model = heeling(model)
     given = {key: ship.coefficients[key] for key in FURTHER if key in ship.coefficients}
     if name != "abkowitz" or not given:
         return model
@@ -149,7 +196,7 @@ def check_names(ship: ShipFile, model: Model) -> None:
     name, given = ship.path.name, ship.coefficients
     if missing := [key for key in model.free if key not in given]:
         raise ConfigError(f"{name}: [coefficients] lacks {', '.join(missing)}")
-    known = (*model.names, *model.held, *WIND)
+    known = (*model.names, *model.held, *WIND, "K_w")
     if strange := [key for key in given if key not in known]:
         hint = nearest(strange[0], (*known, *(FURTHER if model.name == "abkowitz" else ())))
         raise ConfigError(
@@ -163,12 +210,12 @@ def prior_of(model: Model, ship: ShipFile) -> tuple[Prior, str]:
     A model without cubes has no book: its slopes are those of the range it was fitted in.
     """
     form = kijima(ship.dimensions)
-    whole = {**TANKER, **form}
+    whole = {**TANKER, **HEEL, **form}
     if model.name in ("linear", "mavmm"):
         whole = {name: one for name, one in whole.items() if name not in HULL}
     known = {name: whole[name] for name in model.free if name in whole}
     source = "formulas of Kijima and others 1990, by the ship's form" if form else "full tankers"
-    return known, source
+    return known, source + (", in roll a container ship" if "K_v" in known else "")
 
 
 def kijima(hull: Dimensions) -> Prior:

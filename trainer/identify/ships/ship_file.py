@@ -3,6 +3,7 @@
 One form serves both ways: what is written before a fit, and what a fit writes, which sails.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -48,11 +49,12 @@ UNIT_NAMES: Final = "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, 1/s rpm"
 CHANNELS: Final = (
     *("t", "rudder", "revolutions", "speed", "sway", "yaw_rate", "heading"),
     *("north_velocity", "east_velocity", "wind_speed", "wind_from"),
-    *("wind_ahead", "wind_starboard"),
+    *("wind_ahead", "wind_starboard", "roll", "roll_rate"),
 )
 MOST_ROWS: Final = 100  # of a covariance, for editors
 LARGE: Final = within(-1e9, 1e9)
-RANGES: Final = ("v", "r", "rudder", "speed")  # v' and r' [-], [rad], [m/s]
+GYRATION: Final = 0.38  # [-] of the beam: radius of gyration in roll, with the water
+GRAVITY: Final = 9.81  # [m/s^2]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,6 +86,16 @@ class Dimensions:
     rudder_limit_deg: float = usual(35.0, Quantity("deg", within(1, 90), "limit; else 35"))
     rudder_rate_deg_s: float = usual(
         2.32, Quantity("deg/s", within(0.01, 1000), "rate; else 2.32, of a full-size ship")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Roll:
+    """A ship whose roll is fitted too."""
+
+    gm_m: float = of(Quantity("m", above(0, 20), "metacentric height"))
+    radius_m: float | None = optional(
+        Quantity("m", above(0, 50), "of gyration, with the water; else 0.38 of the beam")
     )
 
 
@@ -121,7 +133,10 @@ class Result:
 
 
 COLUMNS: Final = Rows(ShipColumn, ("note",), 0, len(CHANNELS), "columns, below")
-TABLES: Final = {"dimensions": Dimensions, "records": Records, "sensors": Sensors, "result": Result}
+TABLES: Final = {
+    **{"dimensions": Dimensions, "roll": Roll, "records": Records},
+    **{"sensors": Sensors, "result": Result},
+}
 NUMBER: Final = Quantity("-", LARGE, "coefficient")
 
 
@@ -135,6 +150,7 @@ class ShipFile:
     records: Records
     sensors: Sensors | None
     columns: tuple[ShipColumn, ...]
+    roll: Roll | None = None
     result: Result | None = None
     coefficients: Mapping[str, float] = field(default_factory=dict)
     covariance: Numbers | None = None  # of the coefficients that are ``uncertain``
@@ -142,11 +158,19 @@ class ShipFile:
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
+    def stiffness(self) -> float:
+        """Return g GM/k^2 [1/s^2] of roll, as its file says; 0 where there is none."""
+        if self.roll is None:
+            return 0.0
+        radius = self.roll.radius_m or GYRATION * (self.dimensions.beam_m or math.inf)
+        return GRAVITY * self.roll.gm_m / radius**2
+
+    @property
     def constants(self) -> Numbers:
-        """Return length, diameter, K_T's three numbers, 1-w and advance, as the kernels do."""
+        """Return length, diameter, K_T, 1-w, advance and stiffness, as the kernels take them."""
         hull = self.dimensions
         propeller = hull.propeller_diameter_m, *hull.thrust, 1.0 - hull.wake_fraction
-        return np.array([hull.length_m, *propeller, hull.advance_m or 0.0, 0.0])
+        return np.array([hull.length_m, *propeller, hull.advance_m or 0.0, self.stiffness])
 
 
 def is_ship(path: Path) -> bool:
@@ -173,7 +197,7 @@ def read_ship(table: Mapping[str, Any], path: Path) -> ShipFile:
         for key, value in table.items()
         if key not in (*known, "note", "source")
     ]
-    parts: dict[str, Any] = {"sensors": None, "result": None}
+    parts: dict[str, Any] = {"sensors": None, "result": None, "roll": None}
     own = {key: table[key] for key in ("schema", "name") if key in table}
     with collecting(problems):
         parts["name"] = read_record(ShipHeading, own, place, ()).name
@@ -191,7 +215,11 @@ def read_ship(table: Mapping[str, Any], path: Path) -> ShipFile:
             parts |= _numbers(table, place)
     if problems:
         raise ConfigError(*(_with_feet(problem) for problem in problems))
-    return ShipFile(path=path, **parts)
+    ship = ShipFile(path=path, **parts)
+    if ship.roll is not None and ship.stiffness == 0.0:
+        inside = place.inside("roll")
+        raise ConfigError(inside.problem("lacks radius_m, or beam_m in [dimensions]"))
+    return ship
 
 
 def _with_feet(problem: str) -> str:
@@ -240,6 +268,8 @@ def ship_text(ship: ShipFile, source: str) -> str:
     told = {"schema": SCHEMA, "name": ship.name, "source": source}
     lines = [f"{key} = {toml_value(value)}" for key, value in told.items()]
     lines += _table_lines("dimensions", ship.dimensions)
+    if ship.roll is not None:
+        lines += _table_lines("roll", ship.roll)
     lines += _table_lines("records", ship.records)
     for column in ship.columns:
         lines += _table_lines("[columns]", column)
@@ -247,7 +277,7 @@ def ship_text(ship: ShipFile, source: str) -> str:
         lines += _table_lines("result", ship.result)
         lines += ["", "[coefficients]  # accelerations in prime units"]
         lines += [f"{name} = {value!r}" for name, value in ship.coefficients.items()]
-        lines += ["", "[ranges]  # seen in the records: v', r' [-], rudder [rad], speed [m/s]"]
+        lines += ["", "[ranges]  # of the records: v', r' [-], rudder, roll [rad], speed [m/s]"]
         lines += [f"{name} = [{low:.6g}, {high:.6g}]" for name, (low, high) in ship.ranges.items()]
     if ship.covariance is not None:
         lines += ["", "[covariance]  # rows in the order of the names"]
