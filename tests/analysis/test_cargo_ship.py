@@ -202,7 +202,7 @@ def shipped_rates(state: np.ndarray, rudder: float) -> np.ndarray:
     work, out = np.empty((ROWS, 1)), np.empty((3, 1))
     inputs = np.array([rudder, 1.25, 0.0, 0.0])
     set_terms(work, file.constants, state, inputs, np.zeros(5))
-    add_terms(work, model.terms, model.whole(file.coefficients), file.dimensions.length_m, out)
+    add_terms(work, model.terms, model.whole(file.coefficients), file.constants, out)
     return out[:, 0]
 
 

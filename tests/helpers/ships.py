@@ -1,16 +1,18 @@
 """Ships whose coefficients are known, and their records."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from trainer.core.kernel import Numbers
+from trainer.identify.kernels.extended_filter import sail_record
 from trainer.identify.kernels.ship_forces import ROWS, add_terms, set_terms
 from trainer.identify.ships.likelihood import Problem
-from trainer.identify.ships.models import TANKER, Model, model_of
+from trainer.identify.ships.models import TANKER, Model, heeling, model_of
 from trainer.identify.ships.records import Trial
-from trainer.identify.ships.ship_file import Dimensions, Records, ShipFile
+from trainer.identify.ships.ship_file import Dimensions, Records, Roll, ShipFile
 
 SHIP = ShipFile(
     path=Path("ship.toml"),
@@ -42,6 +44,12 @@ COEFFICIENTS = {
     "N_vvv": 1.0,
     "X_T": 37.0,
 }
+
+# the same ship with a small GM: she heels to 10 degrees in a zig-zag
+ROLLING = replace(SHIP, name="top-heavy tanker", roll=Roll(gm_m=2.0, radius_m=21.0))
+HEELED = COEFFICIENTS | {"K_0": 0.05, "K_v": 14.0, "K_r": -6.0, "K_F": 6.0, "K_phi": -1.1}
+HEELED |= {"K_p": -0.14, "Y_phi": 0.02, "N_phi": -0.2}
+ROLL_NOISE = np.array([*NOISE[:3], 2e-4, *NOISE[3:], 2e-4, 1e-3])
 
 # of the record without random numbers, section 11
 TERMS = ("0", "T", "v", "r", "d", "ur", "vvd", "Td", *("vvv", "vvr", "vrr", "rrr"), "F", "w", "ww")
@@ -143,3 +151,29 @@ def _sailed(whole: Numbers, model: Model, state: Numbers, helm: tuple[float, flo
         k4 = rates(state + h * k3, (i + 1.0) / 4.0)
         state = state + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
     return state
+
+
+def rolled_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, Numbers]:
+    """Return a zig-zag of the tanker of small GM as ``sailed_zigzag`` does, with roll."""
+    stream, T, rate = np.random.default_rng(seed), 2.0, math.radians(2.32)
+    model = heeling(model_of("mmg", wind=False))
+    whole, out, none = model.whole(HEELED), np.empty((2, 6)), np.empty((0, 1), np.int64)
+    state, rudder, side = np.array([8.0, *[0.0] * 5]), 0.0, math.copysign(1.0, angle)
+    table = np.zeros((samples + 1, 12))
+    table[:, 5], table[:, 8], table[:, 9] = 1.5, T, 4.0
+    for row in table[:-1]:
+        row[:4], row[10:], row[4] = state[:4], state[4:], rudder
+        if side * state[3] > math.radians(abs(angle)):
+            side = -side
+        wanted = side * math.radians(abs(angle))
+        rudder += float(np.clip(wanted - rudder, -rate * T, rate * T))
+        step = np.vstack([row, row])
+        step[1, 4] = rudder
+        values = np.concatenate([whole, ROLL_NOISE, state])
+        assert sail_record((ROLLING.constants, model.terms, values, none, model.driven), step, out) == 2
+        state = out[1].copy()
+        state[[0, 1, 2, 4]] += ROLL_NOISE[:4] * math.sqrt(T) * stream.standard_normal(4)
+    table = np.ascontiguousarray(table[:-1])
+    first = np.array([*table[0, :4], *table[0, 10:]])
+    table[:, [0, 1, 2, 3, 10, 11]] += ROLL_NOISE[4:] * stream.standard_normal((samples, 6))
+    return Trial(f"rolled {angle:g}", np.arange(0.0, T * samples, T), table, (), windy=False), first

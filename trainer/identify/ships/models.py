@@ -164,7 +164,11 @@ def heeling(model: Model) -> Model:
     wind = ("K_w",) if "N_w" in model.names else ()
     own = ("K_0", "K_v", "K_r", rudder, *wind, *OF_ROLL)
     names, free = (
-        (*(name for name in given if name not in NONLINEAR), *own, *(x for x in given if x in NONLINEAR))
+        (
+            *(name for name in given if name not in NONLINEAR),
+            *own,
+            *(x for x in given if x in NONLINEAR),
+        )
         for given in (model.names, model.free)
     )
     return replace(model, names=names, free=free, driven=HEELING)

@@ -26,7 +26,14 @@ from trainer.identify.ships.results import (
 )
 from trainer.io.atomic_write import write_whole
 
-NOISE_UNITS: Final = ("m/s/rt(s)", "m/s/rt(s)", "rad/s/rt(s)", "m/s", "m/s", "rad/s", "rad")
+NOISE_UNITS: Final = {
+    "u": "m/s",
+    "v": "m/s",
+    "r": "rad/s",
+    "p": "rad/s",
+    "psi": "rad",
+    "phi": "rad",
+}
 CAUSES: Final = ("v'", "r'", "rudder")
 
 
@@ -76,10 +83,12 @@ def _coefficient_table(report: Report) -> list[str]:
 def _noise_table(report: Report) -> list[str]:
     """Return disturbances and errors of readings."""
 
-    def row(one: Coefficient, unit: str) -> tuple[str, ...]:
+    def row(one: Coefficient) -> tuple[str, ...]:
+        _, kind, state = one.name.split("_")
+        unit = NOISE_UNITS[state] + ("/rt(s)" if kind == "w" else "")
         return (one.name, unit, *(f"{x:.3g}" for x in (one.value, one.low, one.high)))
 
-    rows = [row(one, unit) for one, unit in zip(report.noises, NOISE_UNITS, strict=True)]
+    rows = [row(one) for one in report.noises]
     return table(("disturbance, error", "unit", "estimate", "95 %\nfrom", "\nto"), rows)
 
 
@@ -130,7 +139,8 @@ def _prediction_table(report: Report) -> list[str]:
         (cut(one.source, 30), one.kind, *(figure(x, ".1f") for x in one.explained))
         for one in report.predictions
     ]
-    heads = ("predicted by inputs alone,\n% of the variance", "record", *OUTPUTS)
+    shown = OUTPUTS[: len(report.predictions[0].explained)]
+    heads = ("predicted by inputs alone,\n% of the variance", "record", *shown)
     lines = table(heads, rows)
     if not any(one.kind != "fitted" for one in report.predictions):
         lines += wrap("No record was held back: --predict FILE predicts one that was not fitted.")
@@ -187,7 +197,7 @@ def sheet(found: Identified) -> str:
 def _record_panels(found: Identified, trial: Trial) -> Iterator[Panel]:
     """Yield the readings of a record with what inputs alone predict."""
     sailed = found.fit.problem.sail(found.fit.found.a, trial)
-    for i, output in enumerate(OUTPUTS):
+    for i, output in enumerate(OUTPUTS[: sailed.shape[1]]):
         curves = (
             Curve("measured", trial.t, SCALES[i] * trial.readings[:, i], points=True),
             Curve("by inputs alone", trial.t, SCALES[i] * sailed[:, i]),
@@ -201,7 +211,8 @@ def _residual_panels(found: Identified, cause: str) -> Iterator[Panel]:
     problem, a = found.fit.problem, found.fit.found.a
     length = float(problem.constants[0])
     rows = [(trial, *residual_accelerations(problem, a, trial)) for trial in problem.trials]
-    for i, output in enumerate(OUTPUTS[:3]):
+    for i, state in enumerate(problem.model.driven):
+        output = OUTPUTS[state]
         curves = tuple(
             Curve(
                 Path(trial.source).name,
@@ -211,7 +222,7 @@ def _residual_panels(found: Identified, cause: str) -> Iterator[Panel]:
             )
             for trial, states, left in rows
         )
-        unit = "[rad/s^2]" if i == 2 else "[m/s^2]"
+        unit = "[rad/s^2]" if i >= 2 else "[m/s^2]"
         label = f"{cause} [{'deg' if cause == 'rudder' else '-'}]"
         title = f"{output} acceleration left over, against {cause}"
         yield Panel(title, label, unit, curves, levels=(0.0,))

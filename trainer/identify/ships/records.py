@@ -14,20 +14,25 @@ from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.findings import examine, unwrap_heading
 from trainer.identify.measurements import Record
-from trainer.identify.ships.ship_file import CHANNELS, ShipFile
+from trainer.identify.ships.ship_file import GRAVITY, ShipFile
 from trainer.identify.sources import UNITS, Column, Sensors, load_record, own_columns, read_by
 
 OWN: Final = {  # columns of the trainer that ships that are not linear need beside the usual ones
     "revolutions": "n",
     "wind_ahead": "wind_ahead",
     "wind_starboard": "wind_starboard",
+    "roll": "phi",
+    "roll_rate": "p",
 }
 FURTHER: Final[Mapping[str, Mapping[str, float]]] = {  # channels that are not a record's, and units
     "revolutions": {"1/s": 1.0, "rps": 1.0, "rpm": 1.0 / 60.0},
     **dict.fromkeys(("north_velocity", "east_velocity"), UNITS["m/s"]),
     **dict.fromkeys(("wind_speed", "wind_ahead", "wind_starboard"), UNITS["m/s"]),
     "wind_from": UNITS["rad"],
+    "roll": UNITS["rad"],
+    "roll_rate": UNITS["rad/s"],
 }
+OF_ROLL: Final = ("roll_rate", "roll")  # readings, in the order of the filter
 NEEDED: Final = {  # and why
     "speed": "the speed through the water drives every force",
     "sway": "the drift cannot be told from the turning",
@@ -36,8 +41,14 @@ NEEDED: Final = {  # and why
 ADVANCE: Final = (0.1, 1.6)  # J of a propeller that drives a ship ahead
 FINE: Final = 0.1  # [L/U] of a step of Runge and Kutta
 SHORTEST: Final = 30  # samples
+LEANS: Final = 0.5  # correlation of roll and turning beyond which the ship leans inwards
 TURNS_RIGHT: Final = 0.2  # correlation of rudder and turning beyond which the sign is plain
 GROUND: Final = ("north_velocity", "east_velocity")
+READINGS: Final = (0, 1, 2, 3, 10, 11)  # columns of the table
+SPEED_STREAM, ROLL_STREAM = 13, 14  # of the errors of instruments
+SWING: Final = 0.5  # [rad] of roll's own period in a step of Runge and Kutta
+COARSE: Final = 6  # samples in that period, at least
+LEVERS: Final = (0.002, 0.5)  # [L] of the forces that heel a ship
 
 
 @dataclass(frozen=True)
@@ -46,14 +57,14 @@ class Trial:
 
     source: str
     t: Numbers  # [s]
-    table: Numbers  # (n, 10)
+    table: Numbers  # (n, 10), with roll (n, 12)
     findings: tuple[str, ...]
     windy: bool
 
     @property
     def readings(self) -> Numbers:
-        """Return u, v, r and heading (n, 4)."""
-        return self.table[:, :4]
+        """Return u, v, r and heading (n, 4), with roll also roll rate and roll (n, 6)."""
+        return self.table[:, :4] if self.table.shape[1] == 10 else self.table[:, READINGS]
 
     @property
     def inputs(self) -> Numbers:
@@ -69,6 +80,8 @@ def load_trial(path: Path, ship: ShipFile, every: int = 1) -> Trial:
 def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every: int = 1) -> Trial:
     """Return a record with its ``further`` channels, SI, examined and averaged. ConfigError."""
     record = _from_ground(record, further, ship)
+    if ship.roll is None:
+        further = {key: one for key, one in further.items() if key not in OF_ROLL}
     _check_needed(record.source, ship, {**further, **dict.fromkeys(record.channels, record.t)})
     if ship.records.positive_rudder == "starboard" and record.rudder is not None:
         record = replace(record, rudder=-record.rudder)
@@ -76,8 +89,10 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
     record = unwrap_heading(record)
     _check_sign(record)
     if ship.sensors is not None:
-        record = _read_by(record, ship.sensors)
+        record, further = _read_by(record, further, ship.sensors)
     table = _table(record, further)
+    if ship.roll is not None:
+        findings += _check_roll(record, further["roll"], ship, every)
     _check_propeller(record, further["revolutions"], ship)
     _check_inputs(record, further)
     t, table = _averaged(record.t, table, every)
@@ -98,7 +113,8 @@ def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
         return found
     table = read_table(path)
     own = {**own_columns(), **{key: Column(name, None) for key, name in OWN.items()}}
-    return {key: one for key, one in own.items() if table.has(one.name)}
+    unread = OF_ROLL if ship.roll is None else ()
+    return {key: one for key, one in own.items() if table.has(one.name) and key not in unread}
 
 
 def _read(
@@ -157,6 +173,11 @@ def _check_needed(source: str, ship: ShipFile, found: Mapping[str, Numbers]) -> 
         for channel, why in NEEDED.items()
         if channel not in found
     ]
+    if ship.roll is not None and "roll" not in found:
+        problems.append(
+            f"{source}: no roll was recorded, and {ship.path.name} has [roll]: name its column as "
+            "channel roll in [[columns]], or take [roll] out"
+        )
     if "heading" not in found and "yaw_rate" not in found:
         problems.append(f"{source}: neither heading nor yaw_rate was recorded")
     if problems:
@@ -208,30 +229,71 @@ def _check_inputs(record: Record, further: Mapping[str, Numbers]) -> None:
     """Check that no input is missing anywhere; ConfigError with its first row."""
     for channel, values in further.items():
         missing = np.isnan(values)
-        if channel not in GROUND and missing.any():
+        if channel not in (*GROUND, *OF_ROLL) and missing.any():
             row = record.row(int(np.argmax(missing)))
             raise ConfigError(f"{record.source}: row {row}: {channel}: an input must be known")
 
 
-def _read_by(record: Record, sensors: Sensors) -> Record:
-    """Return what instruments would have read, each file anew; the log reads speed too."""
+def _check_roll(record: Record, roll: Numbers, ship: ShipFile, every: int) -> Iterator[str]:
+    """Yield what is odd about a roll; ConfigError for a wrong unit, and for too few samples.
+
+    In a turn the ship heels by u r/g times a lever over GM. A lever that no ship has is a unit.
+    """
+    period = 2.0 * math.pi / math.sqrt(ship.stiffness)
+    step = every * float(np.median(np.diff(record.t)))
+    if COARSE * step > period:
+        raise ConfigError(
+            f"{record.source}: a sample each {step:.3g} s, and a roll of {ship.path.name} lasts "
+            f"{period:.3g} s: needs {COARSE} samples or more; take fewer rows by --every"
+        )
+    pull = record.column("speed") * _rate(record) / GRAVITY
+    known, gm, length = np.isfinite(roll + pull), ship.roll.gm_m, ship.dimensions.length_m
+    if np.count_nonzero(known) < SHORTEST:
+        raise ConfigError(f"{record.source}: roll: fewer than {SHORTEST} rows have one")
+    lever = gm * float(np.std(roll[known]) / max(np.std(pull[known]), 1e-12)) / length
+    if not LEVERS[0] <= lever <= LEVERS[1]:
+        way = "rad, not deg" if lever < LEVERS[0] else "deg, not rad"
+        raise ConfigError(
+            f"{record.source}: row {record.row(0)} on: roll of {np.std(roll[known]):.3g} rad, where "
+            f"turning heels it by {np.std(pull[known]):.3g} rad for a lever of GM: is it in {way}, "
+            f"is gm_m = {gm:g} of {ship.path.name} right?"
+        )
+    if np.corrcoef(roll[known], pull[known])[0, 1] > LEANS:
+        yield f"{record.name('roll')}: leans into the turn: is it positive to starboard?"
+
+
+def _read_by(
+    record: Record, further: dict[str, Numbers], sensors: Sensors
+) -> tuple[Record, dict[str, Numbers]]:
+    """Return what instruments would have read, each file anew; the log reads speed too.
+
+    Roll is read as well as heading, and its rate as the yaw rate.
+    """
     if record.speed is None:
-        return record
+        return record, further
     own = int(sensors.seed or 1), zlib.crc32(Path(record.source).name.encode())
-    seed = np.random.SeedSequence((*own, len(CHANNELS)))
-    stream = np.random.Generator(np.random.PCG64(seed))
-    error = sensors.error("sway") * stream.standard_normal(len(record.t))
+
+    def errors(like: str, number: int) -> Numbers:
+        stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((*own, number))))
+        return sensors.error(like) * stream.standard_normal(len(record.t))
+
     others = read_by(record, replace(sensors, seed=float(sum(own))))
-    return replace(others, speed=record.speed + error)
+    rolls = {
+        name: further[name] + errors(like, ROLL_STREAM + i)
+        for i, (name, like) in enumerate(zip(OF_ROLL, ("yaw_rate", "heading"), strict=True))
+        if name in further
+    }
+    return replace(others, speed=record.speed + errors("sway", SPEED_STREAM)), further | rolls
 
 
 def _table(record: Record, further: Mapping[str, Numbers]) -> Numbers:
-    """Return readings and inputs (n, 8), the rudder positive to starboard."""
+    """Return readings and inputs (n, 8), the rudder positive to starboard; with roll (n, 10)."""
     none = np.full(len(record.t), math.nan)
     readings = [record.speed, record.sway, record.yaw_rate, record.heading]
     ahead, starboard = _wind(further, len(record.t))
     inputs = [-record.column("rudder"), further["revolutions"], ahead, starboard]
-    return np.column_stack([*(none if one is None else one for one in readings), *inputs])
+    rolls = [further.get(name, none) for name in OF_ROLL] if "roll" in further else []
+    return np.column_stack([*(none if one is None else one for one in readings), *inputs, *rolls])
 
 
 def _wind(further: Mapping[str, Numbers], count: int) -> tuple[Numbers, Numbers]:
@@ -253,20 +315,22 @@ def _averaged(t: Numbers, table: Numbers, every: int) -> tuple[Numbers, Numbers]
 
 
 def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
-    """Return the table with seconds to the next row and the steps in them."""
+    """Return the table with seconds to the next row and the steps in them, before any roll."""
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
     parts = np.maximum(np.ceil(gaps / (FINE * length / speed) - 1e-9), 1.0)
-    found = np.column_stack([table, gaps, parts])
+    parts = np.maximum(parts, np.ceil(gaps * math.sqrt(ship.stiffness) / SWING))
+    found = np.column_stack([table[:, :8], gaps, parts, table[:, 8:]])
     return np.ascontiguousarray(found)
 
 
 def turned_ranges(trials: Sequence[Trial], length: float) -> dict[str, tuple[float, float]]:
-    """Return what the records saw of v', r' [-], rudder [rad] and speed [m/s]."""
+    """Return what the records saw of v', r' [-], rudder and roll [rad] and speed [m/s]."""
     rows = np.vstack([trial.table for trial in trials])
     u, v, r = rows[:, 0], rows[:, 1], rows[:, 2]
     size = np.hypot(u, np.nan_to_num(v))
     seen = {"v": v / size, "r": r * length / size, "rudder": rows[:, 4], "speed": u}
+    seen |= {"roll": rows[:, -1]} if rows.shape[1] > 10 else {}
     return {
         name: (float(np.nanmin(values)), float(np.nanmax(values)))
         for name, values in seen.items()

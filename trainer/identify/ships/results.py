@@ -11,9 +11,9 @@ import numpy as np
 from trainer.config.files import ConfigError, nearest
 from trainer.core.kernel import Numbers
 from trainer.identify.residuals import LAGS, correlation, portmanteau, ratio_test
-from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, tabulated
-from trainer.identify.ships.likelihood import NOISES, Problem
-from trainer.identify.ships.models import FIXED, NONLINEAR, Model, model_for, prior_of
+from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, terms_of
+from trainer.identify.ships.likelihood import Problem
+from trainer.identify.ships.models import AXES, FIXED, NONLINEAR, Model, model_for, prior_of
 from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
 from trainer.identify.ships.ship_file import Result, ShipFile, load_ship
 from trainer.units import KNOT
@@ -24,9 +24,9 @@ FAINT: Final = 1e-3  # [-] eigenvalue of the records' scaled information that te
 PART: Final = 0.3  # [-] of a unit vector: what is smaller is not named
 MOST_DIRECTIONS: Final = 6
 SUSPECT: Final = 0.01
-OUTPUTS: Final = ("surge", "sway", "yaw rate", "heading")
-UNITS: Final = ("m/s", "m/s", "deg/s", "deg")
-SCALES: Final = (1.0, 1.0, 180.0 / math.pi, 180.0 / math.pi)
+OUTPUTS: Final = ("surge", "sway", "yaw rate", "heading", "roll rate", "roll")
+UNITS: Final = ("m/s", "m/s", "deg/s", "deg", "deg/s", "deg")
+SCALES: Final = np.array([1.0, 1.0, *[180.0 / math.pi] * 4])
 SHARE_SEEN: Final = 0.2  # [-] of residual accelerations, from which a pattern is told
 DOUBTED: Final = 0.05  # [-] of a record's yaw acceleration that common coefficients leave: told,
 STRANGERS: Final = 0.3  # ... or refused: two ships. Other mirrors of one ship leave 0.015
@@ -70,7 +70,7 @@ class Prediction:
     source: str
     kind: str  # "fitted", "held back in turn", "held back"
     explained: tuple[float | None, ...]  # [%] of the variance
-    rms: tuple[float | None, ...]  # [m/s, m/s, deg/s, deg]
+    rms: tuple[float | None, ...]  # [m/s, m/s, deg/s, deg, deg/s, deg]
 
 
 @dataclass(frozen=True)
@@ -223,25 +223,28 @@ def residual_accelerations(problem: Problem, a: Numbers, trial: Trial) -> tuple[
     """Return smoothed u, v, r (n, 3), and accelerations (n, 3) that the model leaves."""
     states, rates = smooth(trial, problem.constants[0])
     whole = problem.model.whole(problem.coefficients(a))
-    terms = problem.model.terms
-    table = tabulated(problem.constants, states, trial.inputs, whole[-len(NONLINEAR) :])
+    terms = terms_of(problem, states, trial.inputs, whole[-len(NONLINEAR) :])
     made = np.zeros_like(rates)
-    for (axis, row), factor in zip(terms, whole, strict=False):
-        made[:, axis] += factor * table[:, row]
-    made[:, 2] /= problem.constants[0]
+    for (place, _), factor, term in zip(problem.model.terms, whole, terms.T, strict=False):
+        made[:, place % len(AXES)] += factor * term
+    made[:, 2:] /= problem.constants[0]
     return states, rates - made
 
 
 def explained(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
-    """Return the share of variance explained [%] and the rms error of each channel (4,)."""
+    """Return the share of variance explained [%] and the rms error of each channel."""
     with np.errstate(all="ignore"):
         error = y - predicted
         known = np.isfinite(y).any(axis=0)
         lost = np.isnan(predicted).any()
         square = np.where(known, np.nanmean(np.where(known, error, 0.0) ** 2, axis=0), math.nan)
         spread = np.where(known, np.nanvar(np.where(known, y, 0.0), axis=0), math.nan)
-    share = np.full(4, math.nan) if lost else 100.0 * (1.0 - square / np.maximum(spread, 1e-300))
-    return share, np.sqrt(square) * SCALES
+    share = (
+        np.full(len(known), math.nan)
+        if lost
+        else 100.0 * (1.0 - square / np.maximum(spread, 1e-300))
+    )
+    return share, np.sqrt(square) * SCALES[: len(known)]
 
 
 def predict(problem: Problem, a: Numbers, trial: Trial, kind: str) -> Prediction:
@@ -268,11 +271,11 @@ def _predictions(fitted: Fit, held: tuple[Trial, ...]) -> tuple[Prediction, ...]
 
 def _without_record(fitted: Fit, left_out: int) -> tuple[Problem, Found]:
     """Return the fit without one record, searched from that with all."""
-    problem, common = fitted.problem, fitted.problem.common
+    problem = fitted.problem
     kept = [i for i in range(len(problem.trials)) if i != left_out]
     rest = replace(problem, trials=tuple(problem.trials[i] for i in kept))
-    firsts = [fitted.found.a[common + 4 * i : common + 4 * i + 4] for i in kept]
-    begin = np.concatenate([fitted.found.a[:common], *firsts])
+    firsts = [fitted.found.a[problem.first_places(i)] for i in kept]
+    begin = np.concatenate([fitted.found.a[: problem.common], *firsts])
     return rest, search(rest, begin, lambda *_: None)
 
 
@@ -283,7 +286,7 @@ def coefficients_of(fitted: Fit) -> tuple[Coefficient, ...]:
     for j, name in enumerate(problem.names):
         value, deviation = float(fitted.a[j]), float(fitted.deviations[j])
         low, high = value - BAND * deviation, value + BAND * deviation
-        if name in NOISES:
+        if name in problem.model.noises:
             value, low, high = (math.exp(min(x, 700.0)) for x in (value, low, high))
             deviation *= value
         share = float(fitted.prior_share[j])
@@ -326,11 +329,10 @@ def _whiteness(fitted: Fit) -> tuple[Whiteness, ...]:
     rows = [
         fitted.problem.innovations(fitted.found.a, i) for i in range(len(fitted.problem.trials))
     ]
-    gap = np.full((LAGS, 4), math.nan)
+    gap = np.full((LAGS, rows[0].shape[1]), math.nan)
     joined = np.vstack([part for each in rows for part in (each, gap)])
     found = []
-    for i, output in enumerate(OUTPUTS):
-        values = joined[:, i]
+    for values, output in zip(joined.T, OUTPUTS, strict=False):
         count = int(np.count_nonzero(np.isfinite(values)))
         if count < 2 * LAGS:
             continue
@@ -357,7 +359,8 @@ def _patterns(fitted: Fit) -> tuple[str, ...]:
         "r'": states[:, 2] * problem.constants[0] / size,
         "rudder": np.concatenate([trial.inputs[:, 0] for trial in problem.trials]),
     }
-    for i, output in enumerate(OUTPUTS[:3]):
+    for i, state in enumerate(problem.model.driven):
+        output = OUTPUTS[state]
         for name, cause in causes.items():
             share = _explained_by(cause, left[:, i])
             if share > SHARE_SEEN:
@@ -391,7 +394,7 @@ def _test_without(fitted: Fit, names: tuple[str, ...]) -> OrderTest:
                 f"--without {name}: it cannot be nothing; it is {FIXED[name]:g} in books"
             )
     small = problem.fixing(names)
-    kept = [name not in names for name in problem.names] + [True] * 4 * len(problem.trials)
+    kept = [name not in names for name in problem.names] + [True] * (problem.size - problem.common)
     end = search(small, fitted.found.a[kept], lambda *_: None)
     counts = small.size, problem.size
     test = ratio_test((-end.cost, counts[0]), (-fitted.found.cost, counts[1]))
@@ -415,6 +418,18 @@ def _held(model: Model) -> Iterator[str]:
         yield f"held, by the ship's file: {told}"
 
 
+def _rolling(fitted: Fit) -> Iterator[str]:
+    """Yield the period of roll and its damping, where there is roll."""
+    a, stiffness = fitted.problem.coefficients(fitted.a), float(fitted.problem.constants[-1])
+    square = -a.get("K_phi", 0.0) * stiffness
+    if square > 0.0:
+        root = math.sqrt(square)
+        share = -a.get("K_p", 0.0) * math.sqrt(stiffness) / (2.0 * root)
+        yield f"roll has a period of {2.0 * math.pi / root:.3g} s, damped by {share:.1%} of critical"
+    elif stiffness > 0.0:
+        yield "K_phi does not right the ship: by these records it lies over; look at gm_m"
+
+
 def _report(
     ship: ShipFile, fitted: Fit, prior: tuple[str, float], held: tuple[Trial, ...]
 ) -> Report:
@@ -433,7 +448,7 @@ def _report(
         length_m=length,
         prior=prior[0],
         prior_strength=prior[1],
-        findings=(*notes_of(trials), *_held(problem.model)),
+        findings=(*notes_of(trials), *_held(problem.model), *_rolling(fitted)),
         settled=fitted.settled,
         doubt=_doubt(fitted),
         steps=fitted.found.steps,

@@ -31,6 +31,7 @@ CALMEST: Final = 1e-9  # [rad/s/rt(s)] a disturbance that is none
 BETTER: Final = 0.9  # [-] of the next smaller deviation, from which a plan tells better
 WORST: Final = 3  # combinations that a page names of each plan
 READINGS: Final = ("speed", "sway", "yaw_rate", "heading")
+STATES: Final = ("u", "v", "r", "psi", "p", "phi")
 SENSORS: Final = {"sway_kn": "sway", "yaw_rate_deg_s": "yaw_rate", "heading_deg": "heading"}
 LETTERS: Final = "ABCDE"
 LEAD: Final = 2.0  # [s] of straight motion
@@ -268,14 +269,15 @@ def flown_trial(ship: ShipFile, flight: Flight, every: int, read: Sequence[str])
     t = flight.t[::every]
     if len(t) < SHORTEST:
         raise ConfigError(f"--seconds: {len(t)} samples of a trial; needs {SHORTEST} or more")
-    names = zip(READINGS, ("u", "v", "r", "psi"), strict=True)
+    names = zip(READINGS, STATES[:4], strict=True)
     none, calm = np.full(len(t), math.nan), np.zeros(len(t))
     readings = [
         flight.column(name)[::every] if channel in ("speed", *read) else none
         for channel, name in names
     ]
     inputs = [-flight.column("delta_r")[::every], flight.column("n")[::every], calm, calm]
-    rows = with_steps(t, np.column_stack([*readings, *inputs]), ship)
+    rolls = [none, flight.column("phi")[::every]] if flight.has("phi") else []
+    rows = with_steps(t, np.column_stack([*readings, *inputs, *rolls]), ship)
     return Trial(flight.series.path.name, t, rows, (), windy=False)
 
 
@@ -289,25 +291,28 @@ def _expected(
     model = model_for(ship, ship.result.model, wind=False)
     prior, _ = prior_of(model, ship)
     problem = problem_of(model, ship.constants, trials, prior, options["prior_strength"])
-    noise = _noise(ship, ship.result.speed_kn * KNOT, options)
-    noise[3:] = np.maximum(noise[3:], problem.floors)
-    firsts = [[flight.column(name)[0] for name in ("u", "v", "r", "psi")] for flight in flights]
+    noise, axes = _noise(ship, ship.result.speed_kn * KNOT, options), len(model.driven)
+    noise[axes:] = np.maximum(noise[axes:], problem.floors)
+    states = STATES[: model.states]
+    firsts = [[flight.column(name)[0] for name in states] for flight in flights]
     own = [ship.coefficients[name] for name in model.free]
     return expect(problem, np.concatenate([own, np.log(noise), *firsts]))
 
 
 def _noise(ship: ShipFile, speed: float, options: Mapping[str, Any]) -> Numbers:
-    """Return the disturbances and the errors of readings (7,).
+    """Return the disturbances and the errors of readings.
 
     Disturbances make the unrest in the time of a length; those of surge and sway are of a force at
-    a quarter of the length, which is the radius of gyration too.
+    a quarter of the length, which is the radius of gyration too. Those of roll are of yaw, and roll
+    is read as heading is.
     """
     length = ship.dimensions.length_m
     turning = max(math.radians(options["unrest"]) / math.sqrt(length / speed), CALMEST)
     aside = GYRATION * length * turning
     sensors: Sensors = options["sensors"]
     errors = [sensors.error(name) for name in ("sway", "sway", "yaw_rate", "heading")]
-    return np.array([aside, aside, turning, *errors])
+    rolls = ([turning], errors[2:]) if ship.roll is not None else ([], [])
+    return np.array([aside, aside, turning, *rolls[0], *errors, *rolls[1]])
 
 
 def _plan(name: str, legs: tuple[Leg, ...], flights: Sequence[Flight], expected: Fit) -> Plan:

@@ -24,12 +24,22 @@ from trainer.config.files import ConfigError, Place
 from trainer.config.schema import read_record
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import sail_record
-from trainer.identify.kernels.ship_forces import ROWS, add_terms, set_terms
+from trainer.identify.kernels.ship_forces import (
+    AXES,
+    PLACES,
+    ROLL,
+    ROWS,
+    add_heel,
+    add_terms,
+    set_terms,
+)
 from trainer.identify.ships.models import NONLINEAR, check_names, model_for
+from trainer.identify.ships.records import SWING
 from trainer.identify.ships.ship_file import ShipFile, read_ship
 from trainer.units import KNOT
 
 COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")
+OF_ROLL: Final = ("p", "phi")  # columns of a ship with roll, after them
 STEP: Final = 0.025  # [L/U] of a cycle
 STEADY_STEPS: Final = 60  # of Newton, to speed held straight
 CLOSE: Final = 1e-10
@@ -48,8 +58,6 @@ OF_BOATS: Final = {
 class IdentifiedShip:
     """A ship that is not linear, of a file that a fit has written."""
 
-    columns = COLUMNS
-
     def __init__(self, ship: ShipFile, step: float | None = None) -> None:
         """Take the ship's numbers; ConfigError if no fit has given it any."""
         if ship.result is None:
@@ -61,15 +69,19 @@ class IdentifiedShip:
         self.length = ship.dimensions.length_m
         self.file, self.result = ship, ship.result
         usual = STEP * self.length / (self.result.speed_kn * KNOT)
+        if ship.roll is not None:
+            usual = min(usual, SWING / math.sqrt(ship.stiffness))
         self.step = step or float(f"{usual:.1g}")
         model = model_for(ship, self.result.model, wind="N_ww" in ship.coefficients)
         check_names(ship, model)
         self._terms, self._constants = model.terms, ship.constants
         self._whole = model.whole(ship.coefficients)
         self._limit = math.radians(ship.dimensions.rudder_limit_deg)
-        self._state, self._place = np.zeros(4), np.zeros(2)
-        self._record, self._out = np.zeros((2, 10)), np.empty((2, 4))
-        self._values = np.concatenate([self._whole, np.zeros(7 + 4)])
+        self._driven, states = model.driven, model.states
+        self.columns = COLUMNS if ship.roll is None else (*COLUMNS, *OF_ROLL)
+        self._state, self._place = np.zeros(states), np.zeros(2)
+        self._record, self._out = np.zeros((2, 12)), np.empty((2, states))
+        self._values = np.concatenate([self._whole, np.zeros(len(model.noises) + states)])
         self._neutral = self._rudder = self._ordered = self._turns = self._time = 0.0
 
     @property
@@ -84,29 +96,38 @@ class IdentifiedShip:
 
     def start(self, speed: float) -> None:
         """Begin anew, straight ahead at ``speed`` [m/s]; ConfigError if nothing holds it there."""
-        sway, rudder, turns = self._steady(speed)
-        self._state = np.array([speed, sway, 0.0, 0.0])
+        sway, rudder, turns, *heel = self._steady(speed)
+        rolls = [0.0, *heel] if heel else []
+        self._state = np.array([speed, sway, 0.0, 0.0, *rolls])
         self._place = np.zeros(2)
         self._neutral = self._rudder = self._ordered = rudder
         self._turns, self._time = turns, 0.0
 
     def _rates(self, state: Numbers, rudder: float, turns: float) -> Numbers:
-        """Return du/dt, dv/dt and dr/dt in no wind."""
-        work, out = np.empty((ROWS, 1)), np.empty((3, 1))
+        """Return du/dt, dv/dt, dr/dt, and with roll dp/dt, in no wind."""
+        axes = len(self._driven)
+        work, out = np.empty((ROWS, 1)), np.empty((PLACES, 1))
         inputs = np.array([rudder, turns, 0.0, 0.0])
         set_terms(work, self._constants, state, inputs, self._whole[-len(NONLINEAR) :])
         add_terms(work, self._terms, self._whole, self._constants, out)
-        return np.array(out[:, 0])
+        if axes == AXES:
+            add_heel(state, out)
+        return np.array(out[:axes, 0])
 
-    def _steady(self, speed: float) -> tuple[float, float, float]:
-        """Return sway [m/s], rudder [rad] and revolutions [1/s] of straight motion, by Newton."""
-        scale = np.array([speed, 1.0, self.result.revolutions_per_s or 1.0])
-        found = np.array([0.0, 0.0, scale[2] * speed / (self.result.speed_kn * KNOT)])
+    def _steady(self, speed: float) -> tuple[float, ...]:
+        """Return sway [m/s], rudder [rad] and revolutions [1/s] of straight motion, by Newton.
+
+        With roll, also the heel [rad].
+        """
+        axes = len(self._driven)
+        scale = np.array([speed, 1.0, self.result.revolutions_per_s or 1.0, 1.0])[:axes]
+        found = np.zeros(axes)
+        found[2] = scale[2] * speed / (self.result.speed_kn * KNOT)
 
         def rates(z: Numbers) -> Numbers:
-            return self._rates(np.array([speed, z[0], 0.0]), z[1], z[2])
+            return self._rates(np.array([speed, z[0], 0.0, 0.0, 0.0, *z[3:]]), z[1], z[2])
 
-        unit = np.array([1.0, 1.0, self.length]) * self.length / speed**2
+        unit = np.array([1.0, 1.0, self.length, self.length])[:axes] * self.length / speed**2
         for _ in range(STEADY_STEPS):
             left = unit * rates(found)
             if np.max(np.abs(left)) < CLOSE:
@@ -129,10 +150,11 @@ class IdentifiedShip:
                 f"{self.name}: nothing holds it straight at {speed / KNOT:.4g} kn; "
                 f"it was identified at {self.result.speed_kn:.4g} kn"
             )
-        return float(found[0]), float(found[1]), float(found[2])
+        return tuple(map(float, found))
 
     def incline(self, heel: float) -> None:
-        """Do nothing: the model has no roll."""
+        """Heel the ship; do nothing where the model has no roll."""
+        self._state[ROLL:] = heel
 
     def order(self, control: str, value: float) -> None:
         """Order the rudder [rad], positive to starboard, from its neutral angle."""
@@ -144,9 +166,9 @@ class IdentifiedShip:
 
     def observe(self) -> tuple[float, ...]:
         """Return the columns as they stand, SI and radians; the rudder positive to port."""
-        u, v, r, psi = map(float, self._state)
+        u, v, r, psi, *rolls = map(float, self._state)
         x, y = map(float, self._place)
-        return (self._time, u, v, r, x, y, psi, -self._rudder, self._turns)
+        return (self._time, u, v, r, x, y, psi, -self._rudder, self._turns, *rolls)
 
     def advance(self) -> None:
         """Advance by one step of Runge and Kutta; LostError if it is lost."""
@@ -158,12 +180,12 @@ class IdentifiedShip:
         record[0, 4], record[1, 4] = before, self._rudder
         record[0, 5] = record[1, 5] = self._turns
         record[0, 8], record[0, 9] = h, 1.0
-        values[-4:] = state
-        system = self._constants, self._terms, values, NONE_FREE
+        values[-len(state) :] = state
+        system = self._constants, self._terms, values, NONE_FREE, self._driven
         if sail_record(system, record, out) < 2:
             raise LostError(f"{self.name} is no ship under way after {self._time:g} s")
         self._state = out[1].copy()
-        u, v, _, psi = (0.5 * (state + self._state)).tolist()
+        u, v, _, psi, *_ = (0.5 * (state + self._state)).tolist()
         self._place[0] += h * (u * math.cos(psi) - v * math.sin(psi))
         self._place[1] += h * (u * math.sin(psi) + v * math.cos(psi))
         self._time += h
@@ -239,6 +261,8 @@ def _beyond(ship: ShipFile, flight: Flight) -> Iterator[str]:
         "rudder": ("the rudder", -flight.column("delta_r"), "deg"),
         "speed": ("the speed", u, "m/s"),
     }
+    if flight.has("phi"):
+        flown["roll"] = ("the roll", flight.column("phi"), "deg")
     for key, (name, values, unit) in flown.items():
         if key not in ship.ranges:
             continue
