@@ -160,7 +160,7 @@ def rolled_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, N
     whole, out, none = model.whole(HEELED), np.empty((2, 6)), np.empty((0, 1), np.int64)
     state, rudder, side = np.array([8.0, *[0.0] * 5]), 0.0, math.copysign(1.0, angle)
     table = np.zeros((samples + 1, 12))
-    table[:, 5], table[:, 8], table[:, 9] = 1.5, T, 4.0
+    table[:, 5], table[:, 8], table[:, 9] = 1.5, T, 1.0
     for row in table[:-1]:
         row[:4], row[10:], row[4] = state[:4], state[4:], rudder
         if side * state[3] > math.radians(abs(angle)):
@@ -168,9 +168,10 @@ def rolled_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, N
         wanted = side * math.radians(abs(angle))
         rudder += float(np.clip(wanted - rudder, -rate * T, rate * T))
         step = np.vstack([row, row])
-        step[1, 4] = rudder
+        step[1, 4], step[:, 9] = rudder, 4.0
         values = np.concatenate([whole, ROLL_NOISE, state])
-        assert sail_record((ROLLING.constants, model.terms, values, none, model.driven), step, out) == 2
+        system = ROLLING.constants, model.terms, values, none, model.driven
+        assert sail_record(system, step, out) == 2
         state = out[1].copy()
         state[[0, 1, 2, 4]] += ROLL_NOISE[:4] * math.sqrt(T) * stream.standard_normal(4)
     table = np.ascontiguousarray(table[:-1])

@@ -21,7 +21,7 @@ from trainer.identify.pages.identify import render, screens
 from trainer.identify.pages.results import Identified, ShipNumber, describe
 from trainer.identify.ships import page as ships_page
 from trainer.identify.ships.models import MODELS as OF_SHIPS
-from trainer.identify.ships.records import FURTHER, Trial, load_trial, trial_of
+from trainer.identify.ships.records import FURTHER, OF_ROLL, Trial, load_trial, trial_of
 from trainer.identify.ships.results import Identified as IdentifiedShip
 from trainer.identify.ships.results import fit_trials
 from trainer.identify.ships.ship_file import ShipFile, load_ship, ship_text
@@ -392,16 +392,17 @@ class ManoeuvringShip:
         return fitted.problem.penalty(fitted.found.a) - fitted.found.cost
 
     def predict(self, frame: Frame) -> dict[str, Numbers]:
-        """Return speed, sway, yaw rate and heading (n,) by inputs alone.
+        """Return speed, sway, yaw rate and heading (n,) by inputs alone, and roll where it is.
 
         ``frame`` and units are as for ``fit``. Rudder, revolutions and wind drive it from the first
         of its readings. NaN from where it is no ship under way.
         """
         trial = _trial_of(frame, self._ship, self._given, 1)
         sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)
-        units, names = self._given["units"], ("speed", "sway", "yaw_rate", "heading")
+        units, names = self._given["units"], ("speed", "sway", "yaw_rate", "heading", *OF_ROLL)
         found = {
-            name: sailed[:, i] / scale_of(name, units.get(name)) for i, name in enumerate(names)
+            name: values / scale_of(name, units.get(name))
+            for name, values in zip(names, sailed.T, strict=False)
         }
         return {"t": trial.t, **found}
 

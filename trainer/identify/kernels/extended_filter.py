@@ -108,6 +108,15 @@ def _set_rates(system: System, x: Numbers, c: Numbers, table: Numbers, rates: Nu
 
 
 @lean
+def _set_derivative(driven: Driven, x: Numbers, rates: Numbers, out: Numbers) -> None:
+    """Write dx/dt from the accelerations."""
+    for e in range(len(driven)):
+        out[driven[e]] = rates[e, 0]
+    for i in range(3, states_of(driven), 2):
+        out[i] = x[i - 1]
+
+
+@lean
 def _advance(
     system: System,
     record: Numbers,
@@ -120,7 +129,7 @@ def _advance(
     ``work`` is a table, its rates, (5, n), (n, n) and (3, n, q).
     """
     x, S = kept
-    driven, states = system[4], states_of(system[4])
+    states = states_of(system[4])
     table, rates, lines, own, many = work
     stage, rate, total, c = lines[0], lines[1], lines[2], lines[3]
     at, turn, sum_ = many[0], many[1], many[2]
@@ -140,10 +149,7 @@ def _advance(
             set_inputs(record, k, (part + STAGES[n]) / parts, c)
             _set_rates(system, stage, c, table, rates)
             rate_slopes(system, (table, rates), stage, at, own, turn)
-            for e in range(len(driven)):
-                rate[driven[e]] = rates[e, 0]
-            for i in range(3, states, 2):
-                rate[i] = stage[i - 1]
+            _set_derivative(system[4], stage, rates, rate)
             for i in range(states):
                 total[i] += WEIGHTS[n] * rate[i]
                 for j in range(S.shape[1]):
@@ -156,9 +162,8 @@ def _advance(
 
 @lean
 def _take_row(
-    driven: Driven,
+    system: System,
     row: Numbers,
-    noise: Numbers,
     kept: tuple[Numbers, Numbers],
     slopes: tuple[Numbers, Numbers],
     lines: Numbers,
@@ -168,13 +173,15 @@ def _take_row(
 
     ``sums`` has innovations with their variances (n, 2), gradient and information.
     """
+    values, driven = system[2], system[4]
     states, axes = states_of(driven), len(driven)
+    errors = system[1].shape[0] + NONLINEAR + axes
     cost, first = 0.0, lines.shape[1] - axes - 2 * states
     for m in range(states):
         read = row[m if m < ROLL_RATE else m + BESIDE]
         sums[0][m, 0], sums[0][m, 1] = read - kept[0][m], math.nan
         if not math.isnan(read):
-            variance = noise[axes + m] * noise[axes + m]
+            variance = values[errors + m] * values[errors + m]
             moments = read - kept[0][m], kept[1][m, m] + variance
             for j in range(lines.shape[1]):
                 lines[0, j] = -slopes[0][m, j]
@@ -222,10 +229,11 @@ def filter_record(
 ) -> float:
     """Return -log L of a record, infinite where the filter loses the ship.
 
-    Innovations and their variances go to ``errors`` (rows, n, 2). ``gradient`` (q,) and the lower half of ``information`` (q, q) gain theirs; q may be 0.
+    Innovations and their variances go to ``errors`` (rows, n, 2). ``gradient`` (q,) and the lower
+    half of ``information`` (q, q) gain theirs; q may be 0.
     """
-    count, first, n = gradient.size, system[1].shape[0] + NONLINEAR, states_of(system[4])
-    noise, x = system[2][first:], system[2][system[2].size - n :].copy()
+    count, n = gradient.size, states_of(system[4])
+    x = system[2][system[2].size - n :].copy()
     P, S, dP = np.zeros((n, n)), np.zeros((n, count)), np.zeros((n, n, count))
     for i in range(n if count > 0 else 0):
         S[i, count - n + i] = 1.0
@@ -238,7 +246,7 @@ def filter_record(
     lines, many, cost = np.empty((2 + n, count)), np.empty((3, n, count)), 0.0
     for k in range(record.shape[0]):
         sums = errors[k], gradient, information
-        cost += _take_row(system[4], record[k], noise, (x, P), (S, dP), lines, sums)
+        cost += _take_row(system, record[k], (x, P), (S, dP), lines, sums)
         if not is_ship(x):
             return math.inf
         if k + 1 < record.shape[0]:

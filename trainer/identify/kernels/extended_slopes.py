@@ -33,6 +33,20 @@ def count_reading(
 
 
 @lean
+def _take(driven: Driven, m: int, moments: tuple[float, float], x: Numbers, P: Numbers) -> None:
+    """Take one reading into state and covariance, its own column last."""
+    error, s = moments
+    own = P[m, m]
+    for i in range(states_of(driven)):
+        x[i] += P[i, m] / s * error
+        for k in range(states_of(driven)):
+            if k != m:
+                P[i, k] -= P[i, m] * P[k, m] / s
+    for i in range(states_of(driven)):
+        P[i, m] -= P[i, m] * own / s
+
+
+@lean
 def take_slopes(
     driven: Driven,
     m: int,
@@ -47,7 +61,7 @@ def take_slopes(
     for each state, are scratch.
     """
     error, s = moments
-    x, P = kept
+    P = kept[1]
     S, dP = slopes
     n = states_of(driven)
     for i in range(n):
@@ -63,14 +77,7 @@ def take_slopes(
             for j in range(S.shape[1]):
                 both = lines[2 + i, j] * other + p * lines[2 + k, j]
                 dP[i, k, j] -= (both - gain * other * lines[1, j]) / s
-    for i in range(n):
-        x[i] += P[i, m] / s * error
-        for k in range(n):
-            if k != m:
-                P[i, k] -= P[i, m] * P[k, m] / s
-    own = P[m, m]
-    for i in range(n):
-        P[i, m] -= P[i, m] * own / s
+    _take(driven, m, moments, kept[0], P)
 
 
 @lean
@@ -105,9 +112,9 @@ def own_slopes(
     ``work`` is the table and the accelerations.
     """
     ship, terms, _, free, driven = system
-    units, heel = units_of(ship), (x[x.size - 2], x[x.size - 1])
+    units = units_of(ship, x)
     for j in range(free.shape[0]):
-        coefficient_slopes(work, terms, driven, units, heel, free[j, 0], own)
+        coefficient_slopes(work, terms, driven, units, free[j, 0], own)
         for e in range(len(driven)):
             for i in range(3):
                 dA[driven[e], i, j] += own[e, 1 + i]
@@ -222,7 +229,7 @@ def rate_slopes(
     ``work`` is the table and the accelerations; ``own`` is scratch.
     """
     ship, terms, _, free, driven = system
-    rates, units, heel = work[1], units_of(ship), (x[x.size - 2], x[x.size - 1])
+    rates, units = work[1], units_of(ship, x)
     for e in range(len(driven)):
         for j in range(S.shape[1]):
             out[driven[e], j] = 0.0
@@ -234,6 +241,6 @@ def rate_slopes(
         for j in range(S.shape[1]):
             out[i, j] = S[i - 1, j]
     for j in range(free.shape[0] if S.shape[1] > 0 else 0):
-        coefficient_slopes(work, terms, driven, units, heel, free[j, 0], own)
+        coefficient_slopes(work, terms, driven, units, free[j, 0], own)
         for e in range(len(driven)):
             out[driven[e], j] += own[e, 0]

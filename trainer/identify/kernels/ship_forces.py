@@ -28,7 +28,7 @@ from trainer.identify.kernels.forward_numbers import (
 from trainer.identify.kernels.kernel import lean, part
 
 Terms = NDArray[np.int64]
-Units = tuple[float, float]  # length [m], stiffness of roll [1/s^2]
+Units = tuple[float, float, float, float]  # length, stiffness of roll, roll rate and roll
 Driven = tuple[int, ...]  # places in the state of what the equations accelerate
 # ship, terms, values, places of the free ones; the last one's length is known to the compiler
 System = tuple[Numbers, Terms, Numbers, Terms, Driven]
@@ -173,9 +173,9 @@ def rows_of(terms: Terms) -> int:
 
 
 @part
-def units_of(ship: Numbers) -> Units:
-    """Return the length, and the stiffness of roll."""
-    return ship[0], ship[STIFFNESS]
+def units_of(ship: Numbers, x: Numbers) -> Units:
+    """Return length and stiffness, and the last two of the state, which are roll rate and roll."""
+    return ship[0], ship[STIFFNESS], x[x.size - 2], x[x.size - 1]
 
 
 @part
@@ -199,7 +199,7 @@ def add_terms(table: Numbers, terms: Terms, factors: Numbers, ship: Numbers, out
 
     Without roll there are three places: du/dt, dv/dt and dr/dt.
     """
-    units = units_of(ship)
+    units = units_of(ship, ship)
     for e in range(out.shape[0]):
         for i in range(out.shape[1]):
             out[e, i] = 0.0
@@ -239,37 +239,40 @@ def set_jacobian(driven: Driven, rates: Numbers, A: Numbers) -> None:
 
 
 @part
+def _factor_slopes(table: Numbers, place: int, row: int, units: Units, out: Numbers) -> None:
+    """Write what the factor of a term does, as ``coefficient_slopes``."""
+    axis = place if place < 3 else place % AXES
+    for i in range(4):
+        out[axis, i] = _in_units(table[row, i], place, units)
+    if place >= AXES:
+        by = place // AXES - 1
+        out[axis, ROLL_RATE + by] = out[axis, 0]
+        for i in range(4):
+            out[axis, i] *= units[2 + by]
+
+
+@part
 def coefficient_slopes(
     work: tuple[Numbers, Numbers],
     terms: Terms,
     driven: Driven,
     units: Units,
-    heel: tuple[float, float],
     which: int,
     out: Numbers,
 ) -> None:
     """Write d/d(coefficient) of the accelerations, and of their derivatives by u, v, r.
 
     ``out`` is (3, 4) or more; with roll (4, 6), where the last two are by roll rate and roll.
-    ``work`` is the table and the accelerations, ``heel`` roll rate and roll; ``which`` counts the
-    factors of the terms first, then the nonlinear coefficients.
+    ``work`` is the table and the accelerations; ``which`` counts the factors of the terms first,
+    then the nonlinear coefficients.
     """
-    table, rates = work
+    rates, direction = work[1], 3 + which - terms.shape[0]
     for e in range(len(driven)):
         for i in range(states_of(driven)):
             out[e, i] = 0.0
-    if which < terms.shape[0]:
-        place, row = terms[which, 0], terms[which, 1]
-        axis = place if place < 3 else place % AXES
-        for i in range(4):
-            out[axis, i] = _in_units(table[row, i], place, units)
-        if place >= AXES:
-            by = place // AXES - 1
-            out[axis, ROLL_RATE + by] = out[axis, 0]
-            for i in range(4):
-                out[axis, i] *= heel[by]
+    if direction < 3:
+        _factor_slopes(work[0], terms[which, 0], terms[which, 1], units, out)
         return
-    direction = 3 + which - terms.shape[0]
     for e in range(len(driven)):
         out[e, 0] = rates[e, 1 + direction]
         if rates.shape[1] > FIRST:

@@ -1,7 +1,7 @@
 """A ship fitted to its records: regression to start, scoring to settle, honest intervals."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -355,3 +355,15 @@ def expect(problem: Problem, a: Numbers) -> Fit:
     The records are without errors, so that the information is that expected of them.
     """
     return _known_at(problem, a, Found(a, problem.cost(a), 0.0, 0), ())
+
+
+def told_of_roll(fitted: Fit) -> Iterator[str]:
+    """Yield the period of roll and its damping, where there is roll."""
+    a, stiffness = fitted.problem.coefficients(fitted.a), fitted.problem.constants[STIFFNESS]
+    square = -a.get("K_phi", 0.0) * float(stiffness)
+    if square > 0.0:
+        root = math.sqrt(square)
+        share = -a.get("K_p", 0.0) * math.sqrt(stiffness) / (2.0 * root)
+        yield f"roll: period {2.0 * math.pi / root:.3g} s, {share:.1%} of critical damping"
+    elif stiffness > 0.0:
+        yield "roll: K_phi does not right the ship: is gm_m right, is roll positive to starboard?"

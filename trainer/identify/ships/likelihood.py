@@ -76,7 +76,7 @@ class Problem:
         whole = self.model.whole(self.coefficients(a))
         return np.concatenate([whole, self.noise(a), a[self.first_places(record)]])
 
-    def _system(self, a: Numbers, record: int) -> System:
+    def system(self, a: Numbers, record: int) -> System:
         """Return what the kernels take as a system for one record."""
         return self.constants, self._terms, self.values(a, record), self._places, self.model.driven
 
@@ -92,7 +92,7 @@ class Problem:
         total = self.penalty(a)
         for i, trial in enumerate(self.trials):
             errors = np.empty((len(trial.table), self.model.states, 2))
-            total += filter_record(self._system(a, i), trial.table, errors, *NO_SLOPES)
+            total += filter_record(self.system(a, i), trial.table, errors, *NO_SLOPES)
         return float(total)
 
     def slopes(self, a: Numbers) -> tuple[float, Numbers, Numbers]:
@@ -115,14 +115,14 @@ class Problem:
         gradient, known = np.zeros(count), np.zeros((count, count))
         table = self.trials[record].table
         errors = np.empty((len(table), self.model.states, 2))
-        cost = filter_record(self._system(a, record), table, errors, gradient, known)
+        cost = filter_record(self.system(a, record), table, errors, gradient, known)
         return float(cost), gradient, np.tril(known) + np.tril(known, -1).T
 
     def innovations(self, a: Numbers, record: int) -> Numbers:
         """Return the standardised innovations of a record, NaN where none was read."""
         trial = self.trials[record]
         errors = np.empty((len(trial.table), self.model.states, 2))
-        filter_record(self._system(a, record), trial.table, errors, *NO_SLOPES)
+        filter_record(self.system(a, record), trial.table, errors, *NO_SLOPES)
         return np.asarray(errors[:, :, 0] / np.sqrt(errors[:, :, 1]))
 
     def sail(self, a: Numbers, trial: Trial) -> Numbers:

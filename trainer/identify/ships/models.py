@@ -177,7 +177,8 @@ def heeling(model: Model) -> Model:
 def model_for(ship: ShipFile, name: str, *, wind: bool) -> Model:
     """Return the model with roll and further terms, where a ship's file gives them. ConfigError.
 
-    Further terms are held. Where surge has speed in them the thrust is part of that, and held at nothing.
+    Further terms are held. Where surge has speed in them the thrust is part of that, and held at
+    nothing.
     """
     model = model_of(name, wind=wind)
     if ship.roll is not None:

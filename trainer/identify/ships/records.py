@@ -13,7 +13,7 @@ from trainer.config.files import ConfigError, quote
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.findings import examine, unwrap_heading
-from trainer.identify.measurements import Record
+from trainer.identify.measurements import Finding, Record
 from trainer.identify.ships.ship_file import GRAVITY, ShipFile
 from trainer.identify.sources import UNITS, Column, Sensors, load_record, own_columns, read_by
 
@@ -92,7 +92,8 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
         record, further = _read_by(record, further, ship.sensors)
     table = _table(record, further)
     if ship.roll is not None:
-        findings += _check_roll(record, further["roll"], ship, every)
+        told = _check_roll(record, further["roll"], ship, ship.roll.gm_m, every)
+        findings += [Finding(Path(record.source).name, 0, text) for text in told]
     _check_propeller(record, further["revolutions"], ship)
     _check_inputs(record, further)
     t, table = _averaged(record.t, table, every)
@@ -234,7 +235,9 @@ def _check_inputs(record: Record, further: Mapping[str, Numbers]) -> None:
             raise ConfigError(f"{record.source}: row {row}: {channel}: an input must be known")
 
 
-def _check_roll(record: Record, roll: Numbers, ship: ShipFile, every: int) -> Iterator[str]:
+def _check_roll(
+    record: Record, roll: Numbers, ship: ShipFile, gm: float, every: int
+) -> Iterator[str]:
     """Yield what is odd about a roll; ConfigError for a wrong unit, and for too few samples.
 
     In a turn the ship heels by u r/g times a lever over GM. A lever that no ship has is a unit.
@@ -247,15 +250,16 @@ def _check_roll(record: Record, roll: Numbers, ship: ShipFile, every: int) -> It
             f"{period:.3g} s: needs {COARSE} samples or more; take fewer rows by --every"
         )
     pull = record.column("speed") * _rate(record) / GRAVITY
-    known, gm, length = np.isfinite(roll + pull), ship.roll.gm_m, ship.dimensions.length_m
+    known, length = np.isfinite(roll + pull), ship.dimensions.length_m
     if np.count_nonzero(known) < SHORTEST:
         raise ConfigError(f"{record.source}: roll: fewer than {SHORTEST} rows have one")
-    lever = gm * float(np.std(roll[known]) / max(np.std(pull[known]), 1e-12)) / length
+    rolled, pulled = float(np.std(roll[known])), float(np.std(pull[known]))
+    lever = gm * rolled / max(pulled, 1e-12) / length
     if not LEVERS[0] <= lever <= LEVERS[1]:
         way = "rad, not deg" if lever < LEVERS[0] else "deg, not rad"
         raise ConfigError(
-            f"{record.source}: row {record.row(0)} on: roll of {np.std(roll[known]):.3g} rad, where "
-            f"turning heels it by {np.std(pull[known]):.3g} rad for a lever of GM: is it in {way}, "
+            f"{record.source}: row {record.row(0)} on: roll of {rolled:.3g} rad, and turning "
+            f"heels it by {pulled:.3g} rad for a lever of GM: is it in {way}, "
             f"is gm_m = {gm:g} of {ship.path.name} right?"
         )
     if np.corrcoef(roll[known], pull[known])[0, 1] > LEANS:

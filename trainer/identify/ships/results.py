@@ -11,7 +11,7 @@ import numpy as np
 from trainer.config.files import ConfigError, nearest
 from trainer.core.kernel import Numbers
 from trainer.identify.residuals import LAGS, correlation, portmanteau, ratio_test
-from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, terms_of
+from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, terms_of, told_of_roll
 from trainer.identify.ships.likelihood import Problem
 from trainer.identify.ships.models import AXES, FIXED, NONLINEAR, Model, model_for, prior_of
 from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
@@ -240,11 +240,11 @@ def explained(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
         square = np.where(known, np.nanmean(np.where(known, error, 0.0) ** 2, axis=0), math.nan)
         spread = np.where(known, np.nanvar(np.where(known, y, 0.0), axis=0), math.nan)
     share = (
-        np.full(len(known), math.nan)
+        np.full(y.shape[1], math.nan)
         if lost
         else 100.0 * (1.0 - square / np.maximum(spread, 1e-300))
     )
-    return share, np.sqrt(square) * SCALES[: len(known)]
+    return share, np.sqrt(square) * SCALES[: y.shape[1]]
 
 
 def predict(problem: Problem, a: Numbers, trial: Trial, kind: str) -> Prediction:
@@ -418,18 +418,6 @@ def _held(model: Model) -> Iterator[str]:
         yield f"held, by the ship's file: {told}"
 
 
-def _rolling(fitted: Fit) -> Iterator[str]:
-    """Yield the period of roll and its damping, where there is roll."""
-    a, stiffness = fitted.problem.coefficients(fitted.a), float(fitted.problem.constants[-1])
-    square = -a.get("K_phi", 0.0) * stiffness
-    if square > 0.0:
-        root = math.sqrt(square)
-        share = -a.get("K_p", 0.0) * math.sqrt(stiffness) / (2.0 * root)
-        yield f"roll has a period of {2.0 * math.pi / root:.3g} s, damped by {share:.1%} of critical"
-    elif stiffness > 0.0:
-        yield "K_phi does not right the ship: by these records it lies over; look at gm_m"
-
-
 def _report(
     ship: ShipFile, fitted: Fit, prior: tuple[str, float], held: tuple[Trial, ...]
 ) -> Report:
@@ -448,7 +436,7 @@ def _report(
         length_m=length,
         prior=prior[0],
         prior_strength=prior[1],
-        findings=(*notes_of(trials), *_held(problem.model), *_rolling(fitted)),
+        findings=(*notes_of(trials), *_held(problem.model), *told_of_roll(fitted)),
         settled=fitted.settled,
         doubt=_doubt(fitted),
         steps=fitted.found.steps,

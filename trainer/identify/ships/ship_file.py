@@ -134,8 +134,11 @@ class Result:
 
 COLUMNS: Final = Rows(ShipColumn, ("note",), 0, len(CHANNELS), "columns, below")
 TABLES: Final = {
-    **{"dimensions": Dimensions, "roll": Roll, "records": Records},
-    **{"sensors": Sensors, "result": Result},
+    "dimensions": Dimensions,
+    "roll": Roll,
+    "records": Records,
+    "sensors": Sensors,
+    "result": Result,
 }
 NUMBER: Final = Quantity("-", LARGE, "coefficient")
 
