@@ -392,7 +392,7 @@ class ManoeuvringShip:
         return fitted.problem.penalty(fitted.found.a) - fitted.found.cost
 
     def predict(self, frame: Frame) -> dict[str, Numbers]:
-        """Return speed, sway, yaw rate and heading (n,) by inputs alone, and roll where it is.
+        """Return speed, sway, yaw rate, heading and any roll (n,) by inputs alone.
 
         ``frame`` and units are as for ``fit``. Rudder, revolutions and wind drive it from the first
         of its readings. NaN from where it is no ship under way.

@@ -127,7 +127,11 @@ class IdentifiedShip:
         def rates(z: Numbers) -> Numbers:
             return self._rates(np.array([speed, z[0], 0.0, 0.0, 0.0, *z[3:]]), z[1], z[2])
 
-        unit = np.array([1.0, 1.0, self.length, self.length])[:axes] * self.length / max(speed, 1e-9) ** 2
+        unit = (
+            np.array([1.0, 1.0, self.length, self.length])[:axes]
+            * self.length
+            / max(speed, 1e-9) ** 2
+        )
         for _ in range(STEADY_STEPS):
             left = unit * rates(found)
             if np.max(np.abs(left)) < CLOSE:
