@@ -174,7 +174,7 @@ def rows_of(terms: Terms) -> int:
 
 @part
 def units_of(ship: Numbers, x: Numbers) -> Units:
-    """Return length and stiffness, and the last two of the state, which are roll rate and roll."""
+    """Return length and stiffness with the last two of the state."""
     return ship[0], ship[STIFFNESS], x[x.size - 2], x[x.size - 1]
 
 

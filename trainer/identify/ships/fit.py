@@ -156,7 +156,7 @@ def tabulated(constants: Numbers, states: Numbers, inputs: Numbers, rudder: Numb
 
 
 def terms_of(problem: Problem, states: Numbers, inputs: Numbers, rudder: Numbers) -> Numbers:
-    """Return what each factor is times at smoothed samples (n, factors), yaw and roll times L."""
+    """Return what each factor is times (n, factors), yaw and roll times L."""
     L, stiffness = problem.constants[0], problem.constants[STIFFNESS]
     rows, found = tabulated(problem.constants, states, inputs, rudder), []
     for place, row in problem.model.terms:

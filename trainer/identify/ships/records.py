@@ -63,7 +63,7 @@ class Trial:
 
     @property
     def readings(self) -> Numbers:
-        """Return u, v, r and heading (n, 4), with roll also roll rate and roll (n, 6)."""
+        """Return u, v, r, heading (n, 4), and where read roll rate and roll (n, 6)."""
         return self.table[:, :4] if self.table.shape[1] == 10 else self.table[:, READINGS]
 
     @property
@@ -319,7 +319,7 @@ def _averaged(t: Numbers, table: Numbers, every: int) -> tuple[Numbers, Numbers]
 
 
 def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
-    """Return the table with seconds to the next row and the steps in them, before any roll."""
+    """Return the table with seconds to the next row and their steps, then roll."""
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
     parts = np.maximum(np.ceil(gaps / (FINE * length / speed) - 1e-9), 1.0)
@@ -329,7 +329,7 @@ def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
 
 
 def turned_ranges(trials: Sequence[Trial], length: float) -> dict[str, tuple[float, float]]:
-    """Return what the records saw of v', r' [-], rudder and roll [rad] and speed [m/s]."""
+    """Return what was seen of v', r' [-], rudder, roll [rad] and speed [m/s]."""
     rows = np.vstack([trial.table for trial in trials])
     u, v, r = rows[:, 0], rows[:, 1], rows[:, 2]
     size = np.hypot(u, np.nan_to_num(v))
