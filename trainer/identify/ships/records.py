@@ -63,7 +63,7 @@ class Trial:
 
     @property
     def readings(self) -> Numbers:
-        """Return u, v, r, heading (n, 4), and where read roll rate and roll (n, 6)."""
+        """Return u, v, r, heading (n, 4), and any roll rate and roll (n, 6)."""
         return self.table[:, :4] if self.table.shape[1] == 10 else self.table[:, READINGS]
 
     @property
