@@ -38,7 +38,7 @@ from trainer.identify.ships.models import (
 from trainer.identify.ships.records import Trial, load_trial
 from trainer.identify.ships.results import predict
 from trainer.identify.ships.ship_file import Result as Fitted
-from trainer.identify.ships.ship_file import ShipFile, load_ship, parse_ship, ship_text
+from trainer.identify.ships.ship_file import ShipColumn, ShipFile, load_ship, parse_ship, ship_text
 from trainer.identify.ships.vehicle import IdentifiedShip
 from trainer.units import KNOT
 
@@ -163,6 +163,16 @@ def test_roll_is_read_where_the_ship_has_a_gm_and_only_there(
     path = written(part, tmp_path / "a.csv")
     rolled, plain = load_trial(path, ROLLING), load_trial(path, SHIP)
 
+    own = {"t": "s", "rudder": "rad", "revolutions": "1/s", "speed": "m/s", "sway": "m/s"}
+    own |= {"yaw_rate": "rad/s", "heading": "rad", "roll": "rad"}
+    names = ("t", "delta_r", "n", "u", "v", "r", "psi", "phi")
+    rows = tuple(
+        ShipColumn(channel=channel, column=name, unit=unit)
+        for (channel, unit), name in zip(own.items(), names, strict=True)
+    )
+
+    assert load_trial(path, replace(SHIP, columns=rows)).table == pytest.approx(plain.table)
+    assert load_trial(path, replace(ROLLING, columns=rows)).table.shape == (300, 12)
     assert rolled.readings[:, 4] == pytest.approx(columns["p"])
     assert np.flatnonzero(np.isnan(rolled.readings[:, 5])).tolist() == [7]
     assert rolled.readings[8:, 5] == pytest.approx(columns["phi"][8:])
