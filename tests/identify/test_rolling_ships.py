@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from helpers.places import ROOT
 from helpers.ships import (
     COEFFICIENTS,
     HEELED,
@@ -223,7 +224,11 @@ def test_the_radius_is_by_the_beam_where_none_is_said() -> None:
 
     assert ship.stiffness == pytest.approx(9.81 * 2.0 / (0.38 * 58.0) ** 2)
     assert SHIP.stiffness == 0.0
-    assert parse_ship(ship_text(ROLLING, ""), Path("ship.toml")).roll == ROLLING.roll
+    page = (ROOT / "docs" / "nonlinear-ships.md").read_text(encoding="utf-8")
+    told = re.search(r"```toml\n(\[roll\].*?)```", page, re.DOTALL)
+    assert told is not None
+    for text in (ship_text(ROLLING, ""), ship_text(SHIP, "") + told[1]):
+        assert parse_ship(text, Path("ship.toml")).roll == ROLLING.roll
 
 
 def known(name: str = "mmg", **change: float) -> ShipFile:
