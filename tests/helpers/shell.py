@@ -68,8 +68,11 @@ def understand(line: str) -> list[str]:
 def name_of(words: list[str]) -> str:
     """Return the name of the command that these words are; click.UsageError for none."""
     ends = [place for place, word in enumerate(words) if word in {"<", ">", ">>", "2>"}]
+    said = words[: ends[0] if ends else None]
+    if said in (["--help"], ["--version"], []):
+        return "trainer"
     with click.Context(cli, info_name="trainer") as top:
-        name, command, rest = cli.resolve_command(top, words[: ends[0] if ends else None])
+        name, command, rest = cli.resolve_command(top, said)
         assert command
         try:
             command.make_context(name, rest, parent=top)
