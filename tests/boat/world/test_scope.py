@@ -99,7 +99,7 @@ def ship(north: float, east: float, course: float = 0.0, kind: str = "tanker") -
     """Return a ship without lights."""
     found = TYPES[kind]
     sizes = {"length": found.length, "beam": found.beam, "mast": found.mast}
-    place = {"north": north, "east": east, "course": course}
+    place = {"north": north, "east": east, "course": course, "heading": course}
     return SimpleNamespace(name="big", type=kind, lights=(), **place, **sizes)
 
 

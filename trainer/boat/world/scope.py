@@ -98,7 +98,7 @@ def look_at(target: Seen, eye: Eye) -> Sight | None:
     if eye.height <= 0.0 or hidden(distance, eye.height) >= target.mast:
         return None
     bearing = math.atan2(east, north)
-    aspect = math.remainder(bearing + math.pi - target.course, math.tau)
+    aspect = math.remainder(bearing + math.pi - target.heading, math.tau)
     return Sight(
         name=target.name,
         type=target.type,

@@ -116,7 +116,7 @@ class Transponders:
             longitude=longitude,
             speed=ship.speed / KNOT,
             course=math.degrees(ship.course),
-            heading=math.degrees(ship.course),
+            heading=math.degrees(ship.heading),
             turning=math.degrees(ship.turning) * 60.0,
             second=(self._start + timedelta(seconds=now)).second,
             status=ais.STATUS[ship.status],
