@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
-from trainer.config.bottom import LAND, Bottom, is_charted, land_near, read_bottom
+from trainer.config.bottom import LAND, Bottom, depths_at, is_charted, land_near, read_bottom
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError, Place, reading_recorded, remembering
 from trainer.config.soundings import (
@@ -56,6 +56,14 @@ def test_the_first_row_is_the_north_and_the_centre_is_the_sample(asc: Path) -> N
     assert grid.values.tolist() == [[30.0, 40.0], [10.0, 20.0]]
     assert (grid.south, grid.west, grid.cell) == (0.0, 0.0, (100.0, 100.0))
     assert between(grid.values, np.array(0.5), np.array(0.5)) == 25.0
+
+
+def test_depths_are_those_between_the_samples_and_beyond_the_end_those_of_the_edge(
+    asc: Path,
+) -> None:
+    bottom = ground(asc, grid=asc.name, values="depth", tide_m=1.0)
+    north, east = np.array([50.0, -900.0, 900.0, 50.0]), np.array([50.0, -900.0, 50.0, 900.0])
+    assert depths_at(bottom, north, east).tolist() == [26.0, 31.0, 16.0, 31.0]
 
 
 def test_a_corner_is_half_a_cell_from_the_sample_whatever_the_case_and_line_ends(
