@@ -246,6 +246,7 @@ SCOPE: Final = Channel(
         word("sighted", sighted),
         *(field for place in range(SHOWN) for field in sight_fields(place)),
     ),
+    fastest=10.0,
 )
 SWELL: Final = Channel(
     "swell",
