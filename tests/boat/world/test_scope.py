@@ -1,5 +1,6 @@
 """The periscope: horizon and angles, the mast's way by orders alone, and what counts as shown."""
 
+import contextlib
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -8,7 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from trainer.analysis.debrief.data import gather
+from trainer.analysis.debrief.encounters import shown as shown_ticks
 from trainer.analysis.debrief.scoring import attain
 from trainer.analysis.debrief.trajectory import COLUMNS, Trajectory
 from trainer.boat.boat import Boat
@@ -31,13 +35,16 @@ from trainer.boat.world.scope import (
     periscope_of,
     stadimeter,
 )
+from trainer.cli.main import cli
 from trainer.config.contacts import TYPES
 from trainer.config.exercise import Limits, parse_exercise
 from trainer.config.vessel import parse_vessel
 from trainer.io.orders.grammar import Order, Refused, parse
-from trainer.io.recording.recording import Noted
+from trainer.io.recording.recording import Noted, Recording
+from trainer.session.header import layout_of, plan_of
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
+from trainer.session.resume import bring_up
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
@@ -306,6 +313,25 @@ def test_exposure_is_counted_in_all_and_by_the_raise(tmp_path: Path) -> None:
     live = scope_of(boat).exposed(100, raised=False)
     assert live == pytest.approx(wanted, abs=0.5)  # the last tick is not written before it is over
     assert scope_of(boat).exposed(100, raised=True) < live
+
+
+def test_a_resumed_run_goes_on_counting(tmp_path: Path) -> None:
+    path, file = tmp_path / "look.toml", tmp_path / "r.trainer"
+    path.write_text(HEAD + START.format(speed=5.0, depth=18.5) + "[sea]\nsea_state = 4\n")
+    (tmp_path / "o.txt").write_text("3 scope raise\n40 scope lower\n60 scope raise\n")
+    words = ["run", str(path), "--orders", str(tmp_path / "o.txt"), "--record", str(file)]
+    more = ["--headless", "--speed", "max", "--duration", "90"]
+    done = CliRunner().invoke(cli, words + more)
+    assert done.exit_code == 0, done.output
+    with contextlib.closing(Recording.reopen(file)) as recording:
+        rows, raises = shown_ticks(gather(recording, file, None).trajectory)
+        plan = plan_of(recording.header())
+        boat = Boat(plan.file, plan.method)
+        bring_up(recording, plan, boat, layout_of(recording.header()))
+    scope, before = scope_of(boat), rows[:-1]
+    assert (boat.ticks, rows.size) == (180, 181)
+    assert 10.0 < scope.exposed(180, raised=False) == 0.5 * before.sum() < 60.0
+    assert scope.exposed(180, raised=True) == 0.5 * (before & (raises[:-1] == 2.0)).sum()
 
 
 def test_a_tick_that_is_flown_again_counts_once(tmp_path: Path) -> None:
