@@ -70,6 +70,19 @@ def test_the_phase_of_a_tide_is_how_long_ago_it_was_strongest() -> None:
     assert (after / before).imag == pytest.approx(-0.3, abs=1e-9)
 
 
+def test_a_tide_turns_about_its_mean() -> None:
+    numbers = {"major_kn": 1.0, "minor_kn": 0.2, "towards_deg": 30.0, "period_h": 6.0}
+    alone = flow_of(Current(tide=Tide(**numbers)))
+    flow = flow_of(Current(tide=Tide(**numbers, mean_set_deg=90.0, mean_drift_kn=0.5)))
+    assert alone
+    assert flow
+    for time in (0.0, 4000.0, 10800.0, 21600.0):
+        north, east = alone(time, DEEP)[:2]
+        assert flow(time, DEEP) == pytest.approx((north, east + 0.5 * KNOT, 0.0, 0.0))
+    part = around(Current(tide=Tide(**numbers, mean_set_deg=90.0, mean_drift_kn=0.5)))
+    assert part.carried(21600.0) == pytest.approx((0.0, 21600.0 * 0.5 * KNOT), abs=1e-6)
+
+
 def test_between_two_rows_the_water_is_straight_in_between_and_beyond_it_is_theirs() -> None:
     flow = flow_of(Current(table=((10.0, 0.0, 2.0), (50.0, 90.0, 1.0), (100.0, 90.0, 0.0))))
     assert flow
@@ -267,6 +280,9 @@ WRONG = {
     "table = []": "table = []: must be a list of 1 to 50 rows",
     "table = 3": "table = 3: must be a list of 1 to 50 rows",
     "tide = {major_kn = 1, minor = 1, towards_deg = 0}": "minor = 1: no such key; nearest is minor",
+    "tide = {major_kn = 1, towards_deg = 0, mean_drift_kn = 1}": (
+        "tide has mean_drift_kn and lacks mean_set_deg: give both, or neither"
+    ),
     "tide = {major_kn = 1}": "[current.tide] lacks towards_deg",
     "tide = {major_kn = 1, minor_kn = -2, towards_deg = 0}": "minor_kn = -2: is more than major_kn",
     "tide = {major_kn = 1, towards_deg = 0, period_h = 0}": "period_h = 0: must be 1 to 1000 h",

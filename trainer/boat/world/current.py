@@ -64,9 +64,10 @@ def _line(
 
 
 class Ellipse:
-    """Water that turns with the tide: a cosine along the major axis, a sine across."""
+    """Water that turns with the tide: a mean, a cosine along the major axis, a sine across."""
 
     def __init__(self, tide: Tide) -> None:
+        self.mean = vector(tide.mean_set_deg or 0.0, tide.mean_drift_kn or 0.0)
         self.ahead = vector(tide.towards_deg, tide.major_kn)
         self.across = vector(tide.towards_deg + 90.0, tide.minor_kn)
         self.rate = math.tau / (tide.period_h * HOUR)
@@ -77,7 +78,8 @@ class Ellipse:
         turned = self.rate * (time + self.since)
         cosine, sine = north_and_east(turned)
         (a_north, a_east), (b_north, b_east) = self.ahead, self.across
-        return a_north * cosine + b_north * sine, a_east * cosine + b_east * sine, 0.0, 0.0
+        north, east = a_north * cosine + b_north * sine, a_east * cosine + b_east * sine
+        return self.mean[0] + north, self.mean[1] + east, 0.0, 0.0
 
 
 def flow_of(current: Current | None) -> Flow | None:
