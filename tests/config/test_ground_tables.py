@@ -236,7 +236,7 @@ def tiff(path: Path, values: Any, **more: Any) -> None:
     tifffile.imwrite(path, np.asarray(values, np.float32), extratags=tags, **more)
 
 
-@pytest.mark.parametrize("compression", [None, "zlib"])
+@pytest.mark.parametrize("compression", [None, "zlib", "zstd", "lzma", "packbits"])
 def test_a_geotiff_is_the_same_grid_as_an_esri_grid(
     tmp_path: Path, compression: str | None
 ) -> None:

@@ -17,6 +17,7 @@ from trainer.analysis.debrief.scoring import attain
 from trainer.analysis.debrief.trajectory import COLUMNS, Trajectory
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
+from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.contacts import contacts_in
 from trainer.boat.world.scope import (
     HIGH,
@@ -232,6 +233,26 @@ def test_at_too_high_a_speed_the_mast_shakes_and_measures_nothing(tmp_path: Path
     give(boat, "scope train 26")
     assert shown(boat, "scope")["view"] == "shakes"
     assert give(boat, "scope range 40") == "refused: the mast shakes: nothing can be measured"
+
+
+def test_a_mast_that_shakes_is_called_once_until_it_stood_still_for_long(tmp_path: Path) -> None:
+    boat = at_sea(tmp_path, depth=60.0, speed=9.5)
+    monitor = LimitMonitor.over(boat, Limits())
+    give(boat, "scope raise")
+    told: dict[float, list[str]] = {}
+    for tick in range(1, 200):
+        if tick in {40, 60}:
+            give(boat, "scope lower")
+        if tick in {50, 150}:
+            give(boat, "scope raise")
+        fly(boat, 1)
+        if said := monitor.look(boat):
+            told[boat.time] = said
+    first, again = told
+    assert (first, 75.0 < again < 80.0) == (0.5, True)
+    (call,) = told[first]
+    assert call.startswith("tick 1 (0.5 s): MAST SHAKES: 9.5 kn is too fast for it, 8 at most")
+    assert LimitMonitor.over(boat, Limits()).look(boat) == []
 
 
 def test_a_range_is_told_with_the_gyro_s_bearing(tmp_path: Path) -> None:

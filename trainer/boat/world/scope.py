@@ -238,7 +238,8 @@ class Periscope:
         if order.word == "raise":
             left = (fitted.extension_m - now.out) / rate
             then = now._replace(up=True, raised=now.raised + (not now.up))
-            return then, f"raising scope: up in {left:.0f} s{self._too_fast()}"
+            why = self.too_fast(float(self._boat.state.u))
+            return then, f"raising scope: up in {left:.0f} s{why and f'; {why}'}"
         if order.word == "lower":
             return now._replace(up=False), f"lowering scope: down in {now.out / rate:.0f} s"
         if order.word == "train":
@@ -246,10 +247,10 @@ class Periscope:
         power = LOW if order.word == "power_1.5" else HIGH
         return now._replace(power=power), f"power {power:g}: field {field_of(power):g} deg"
 
-    def _too_fast(self) -> str:
-        """Return a word of warning where the boat is too fast for its mast."""
-        most, speed = self._fitted.speed_kn_max if self._fitted else 0.0, self._boat.state.u / KNOT
-        return f"; {speed:.1f} kn is too fast for it, {most:g} at most" if speed > most else ""
+    def too_fast(self, speed: float) -> str:
+        """Return in words that a speed [m/s] is too fast for the mast, "" where it is not."""
+        most, knots = self._fitted.speed_kn_max if self._fitted else math.inf, speed / KNOT
+        return f"{knots:.1f} kn is too fast for it, {most:g} at most" if knots > most else ""
 
     def _range(self, height: float, mast: Mast) -> Reply:
         """Return the distance of the ship at the wire by the height of its masthead."""
