@@ -138,7 +138,7 @@ def test_the_page_s_waves_are_the_session_s(traffic: Served, desk: Caller, look:
 
 @pytest.mark.parametrize("size", ["4k", "phone"])
 def test_no_more_is_painted_than_the_round_view_needs(
-    traffic: Served, desk: Caller, look: Look, size: str
+    traffic: Served, look: Look, size: str
 ) -> None:
     page = opened(look, traffic, size=size)
     canvas = page.locator("scope-view canvas")
