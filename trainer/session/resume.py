@@ -63,7 +63,7 @@ def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:
 
 
 def count_exposure(recording: Recording, boat: Boat, layout: tuple[str, ...]) -> None:
-    """Let the periscope count again for how long it has shown, by the states before this one."""
+    """Count again for how long the periscope has shown, by the states before this."""
     scope = periscope_of(boat)
     if scope is None or not scope.acts:
         return

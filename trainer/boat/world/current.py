@@ -64,7 +64,7 @@ def _line(
 
 
 class Ellipse:
-    """Water that turns with the tide: a mean, a cosine along the major axis, a sine across."""
+    """Water that turns with the tide: a mean and a cosine along an axis, a sine across."""
 
     def __init__(self, tide: Tide) -> None:
         self.mean = vector(tide.mean_set_deg or 0.0, tide.mean_drift_kn or 0.0)
@@ -139,7 +139,7 @@ class CurrentAround:
         state["current"][:] = self.at(int(state["tick"]), float(state["z"]))
 
     def at(self, tick: float, depth: float) -> Line:
-        """Return the current of a tick, or between two, as the line at a depth [m]."""
+        """Return the current as the line at a depth [m], at a tick or between two."""
         whole = bisect_left(self.changes, 1, key=lambda each: self._share(each, tick) < 1.0)
         line = self.changes[whole - 1].line if whole else STILL  # it hides what was before
         if not whole and self.flow:
@@ -151,7 +151,7 @@ class CurrentAround:
         return line
 
     def floating(self, time: float) -> tuple[float, float]:
-        """Return how the water goes [m/s] north and east that carries ships, at a time [s]."""
+        """Return how the water that carries ships goes at a time, north and east [m/s]."""
         north, east, by_north, by_east = self.at(time / self.step, FLOATING)
         return north + by_north * FLOATING, east + by_east * FLOATING
 

@@ -182,7 +182,7 @@ class Scene:
 
 
 def ship_columns(seen: Sequence[Sequence[Seen]]) -> Iterator[tuple[str, Any]]:
-    """Yield by paths the columns of the ships at some ticks: a point and an arrow each."""
+    """Yield columns of points and arrows for the ships at some ticks, by paths."""
     counts = np.array([len(each) for each in seen], np.int32)
     ships = [ship for each in seen for ship in each]
     places = np.array([(ship.north, ship.east, 0.0) for ship in ships]).reshape(-1, 3)
@@ -243,7 +243,7 @@ def square(reach: float) -> Mesh:
 
 
 def level_triangles(count: int) -> NDArray[np.uint32]:
-    """Return the triangles of a square lattice of so many points to a side, seen from above."""
+    """Return the triangles of a square lattice, by its points to a side."""
     corner = np.arange(count * (count - 1), dtype=np.uint32).reshape(-1, count)[:, :-1].ravel()
     north, east = corner + count, corner + 1
     pairs = ((corner, east, north), (east, north + 1, north))

@@ -279,7 +279,7 @@ class Subscriptions:
 
 
 def rate_of(channel: str, wished: float) -> float:
-    """Return how often [Hz] a channel is sent to who wishes it so often; 0: every tick."""
+    """Return how often [Hz] a channel is sent at most; 0: at every tick."""
     fastest = CHANNELS[channel].fastest if channel in CHANNELS else math.inf
     return wished if math.isinf(fastest) else min(wished or fastest, fastest)
 
