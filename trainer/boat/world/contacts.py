@@ -175,7 +175,7 @@ class Contacts:
         return tuple(_seen(ship, row) for ship, row in zip(fleet.order, rows, strict=True))
 
     def water(self, time: float) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Return how far [m] water has gone by a time, and its velocity [m/s]."""
+        """Return the way of water [m] by a time [s], and its velocity."""
         current = self._boat.world.parts.get("current")
         if not isinstance(current, CurrentAround) or not current.acts:
             return (0.0, 0.0), (0.0, 0.0)
