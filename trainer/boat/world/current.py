@@ -64,7 +64,7 @@ def _line(
 
 
 class Ellipse:
-    """Water that turns with the tide: a mean and a cosine along an axis, a sine across."""
+    """Water that turns with the tide about a mean: a cosine along, a sine across."""
 
     def __init__(self, tide: Tide) -> None:
         self.mean = vector(tide.mean_set_deg or 0.0, tide.mean_drift_kn or 0.0)
@@ -139,7 +139,7 @@ class CurrentAround:
         state["current"][:] = self.at(int(state["tick"]), float(state["z"]))
 
     def at(self, tick: float, depth: float) -> Line:
-        """Return the current as the line at a depth [m], at a tick or between two."""
+        """Return the current of a tick, or between two, as a depth's line."""
         whole = bisect_left(self.changes, 1, key=lambda each: self._share(each, tick) < 1.0)
         line = self.changes[whole - 1].line if whole else STILL  # it hides what was before
         if not whole and self.flow:
