@@ -94,7 +94,7 @@ def test_costs_of_runs_add_up_and_so_do_slopes_and_information(name: str) -> Non
 @pytest.mark.parametrize("gains", [no_gain, settled_gain])
 def test_errors_of_all_runs_have_one_covariance_with_a_gain(gains: Any) -> None:
     (first, second), both = runs(120)
-    errors = [Innovations(one, gains).errors(one.start) for one in (first, second)]
+    errors = [Innovations(one, gains).shown(one.start)[1] for one in (first, second)]
     whole = np.concatenate(errors)
     S = whole.T @ whole / len(whole)
     expected = 0.5 * len(whole) * (np.linalg.slogdet(S)[1] + 3.0 * (1.0 + np.log(2.0 * np.pi)))

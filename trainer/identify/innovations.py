@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.screening import COUNTED, show
-from trainer.identify.likelihood import LOG_2_PI
+from trainer.identify.kernels.kernel import Entries
+from trainer.identify.kernels.prediction import COUNTED, show
+from trainer.identify.measurements import Samples
 from trainer.identify.problem import Problem
 
 REASONS: Final = ("counted", "missing", "rejected", "singular")
@@ -22,6 +23,7 @@ class Shown:
     states: Numbers  # (n, x) predicted from the samples before, SI
     predictions: Numbers  # (n, y)
     errors: Numbers  # (n, y) reading less prediction
+    covariances: Numbers  # (n, x, x) P of the states
     spreads: Numbers  # (n, y, y) R, their covariance
     squares: Numbers  # (n,) error' R^-1 error
     flags: NDArray[np.int64]  # (n,) places in REASONS
@@ -41,21 +43,6 @@ class Shown:
         return found
 
 
-@dataclass(frozen=True)
-class Losses:
-    """The losses of a record (MI 6.3), over ``samples`` that count.
-
-    V1 needs whole samples and is NaN where none is; it is shown as the report defines it and as
-    its programs' comments do.
-    """
-
-    samples: int
-    V1: float  # log det S / n
-    log_det_mean: float  # log det (S/n)
-    det_mean: float  # det S / n
-    V2: float  # -log L / n
-
-
 def no_limits(readings: int) -> Numbers:
     """Return limits (y+1,) that reject nothing."""
     return np.full(readings + 1, np.inf)
@@ -73,43 +60,30 @@ def chi_square_limits(probability: float, readings: int) -> Numbers:
 
 def run_filter(problem: Problem, theta: Numbers, limits: Numbers) -> Shown:
     """Return the filter's run with ``theta`` (f,); ``limits`` (y+1,) as chi_square_limits."""
-    system = problem.sampled(theta).at(0)
-    samples = problem.samples
-    count, readings = samples.outputs.shape
-    states = problem.plant.model.states
-    out = np.empty((count, states + 2 * readings + 2))
-    spreads = np.empty((count, readings, readings))
-    show(system, samples.table, samples.steps[1], limits, out, spreads)
-    rows = states + readings
+    return filtered(problem.sampled(theta).at(0), problem.samples, limits)
+
+
+def filtered(system: tuple[Entries, Entries, Entries], samples: Samples, limits: Numbers) -> Shown:
+    """Return the filter's run by a system's mean, noise and start; complex as they are."""
+    (count, readings), states = samples.outputs.shape, len(system[2])
+    rows, kind = states + readings, system[0].dtype
+    out = np.empty((count, rows + readings + 2), kind)
+    covariances = np.empty((count, states, states), kind)
+    spreads = np.empty((count, readings, readings), kind)
+    show(system, samples.table, samples.steps[1], limits, (out, covariances, spreads))
     return Shown(
         out[:, :states],
         out[:, states:rows],
         out[:, rows : rows + readings],
+        covariances,
         spreads,
         out[:, -2],
-        out[:, -1].astype(np.int64),
+        out[:, -1].real.astype(np.int64),
     )
 
 
-def losses(run: Shown) -> Losses:
-    """Return the losses of a run."""
-    count = int(np.count_nonzero(run.counted))
-    readings = run.errors.shape[1]
-    whole = run.errors[run.counted & ~np.isnan(run.errors).any(axis=1)]
-    sign, determinant = np.linalg.slogdet(whole.T @ whole)
-    n = len(whole)
-    good = n > 0 and sign > 0.0
-    total = 0.0
-    for error, R, size in zip(
-        run.errors[run.counted], run.spreads[run.counted], run.squares[run.counted], strict=True
-    ):
-        there = ~np.isnan(error)
-        part = np.linalg.slogdet(R[np.ix_(there, there)])[1]
-        total += float(part) + float(size) + float(there.sum()) * LOG_2_PI
-    return Losses(
-        count,
-        float(determinant) / n if good else math.nan,
-        float(determinant) - readings * math.log(n) if good else math.nan,
-        math.exp(determinant) / n if good else math.nan,
-        0.5 * total / count if count else math.nan,
-    )
+def loss_1(errors: Numbers) -> float:
+    """Return V1 = (1/n) log det of the sum of error error' over whole samples (6.3)."""
+    whole = errors[~np.isnan(errors).any(axis=1)]
+    sign, size = np.linalg.slogdet(whole.T @ whole)
+    return float(size) / len(whole) if len(whole) and sign > 0.0 else math.nan

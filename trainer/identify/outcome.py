@@ -25,7 +25,7 @@ from trainer.identify.nonlinear import Bend, predict
 from trainer.identify.prediction_error import Innovations
 from trainer.identify.problem import Problem
 from trainer.identify.steering import averages, coefficients, limits, rewritten
-from trainer.identify.validation import alone, deterministic
+from trainer.identify.validation import alone
 from trainer.io.atomic_write import replacing
 from trainer.units import DEGREE, KNOT
 
@@ -133,14 +133,12 @@ def errors_of(fitted: Fitted, number: int = 0) -> Shown:
     run = run_filter(problem, theta, no_limits(len(problem.plant.outputs)))
     if not isinstance(cost, Innovations):
         return run
-    errors = cost.errors(fitted.found.theta, number)
+    states, errors = cost.shown(fitted.found.theta, number)
     whole = errors[~np.isnan(errors).any(axis=1)]
     R = whole.T @ whole / len(whole)
-    gains = cost.gains(problem, problem.sampled(theta).as_complex())
-    driven = np.nan_to_num(errors) @ np.asarray(gains)[0].real.T
     return replace(
         run,
-        states=deterministic(problem, theta, driven)[:, : driven.shape[1]],
+        states=states,
         predictions=problem.samples.outputs - errors,
         errors=errors,
         spreads=np.tile(R, (len(errors), 1, 1)),
@@ -346,13 +344,14 @@ def _final(fitted: Fitted, theta: Numbers) -> dict[str, Any]:
         gains = cost.gains(problem, problem.sampled(theta).as_complex())
         return {} if gains is None else {"K": gains[0].real.tolist()}
     mean, noise, start = problem.sampled(theta).at(0)
-    n, P, readings = len(start), start[:, 1:], problem.samples.outputs
-    K, R = np.zeros((n, readings.shape[1])), np.zeros((0, 0))
-    for row, which in zip(readings, problem.samples.steps[1], strict=True):
-        W = mean[which][:, :n]
-        J = W @ P @ W.T + noise[which]
-        there = n + np.flatnonzero(~np.isnan(row))
-        R, K = J[n:, n:], np.zeros_like(K)
-        K[:, there - n] = np.linalg.solve(J[np.ix_(there, there)], J[there, :n]).T
-        P = J[:n, :n] - K @ J[n:, :n]
-    return {"K": K.tolist(), "R": R.tolist(), "P": P.tolist()}
+    run, which = (
+        run_filter(problem, theta, no_limits(len(problem.plant.outputs))),
+        problem.samples.steps[1][-1],
+    )
+    n, W = len(start), mean[which][:, : len(start)]
+    J = W @ run.covariances[-1] @ W.T + noise[which]
+    there = n + np.flatnonzero(~np.isnan(problem.samples.outputs[-1]))
+    K = np.zeros((n, len(J) - n))
+    K[:, there - n] = np.linalg.solve(J[np.ix_(there, there)], J[there, :n]).T
+    P = J[:n, :n] - K @ J[n:, :n]
+    return {"K": K.tolist(), "R": run.spreads[-1].tolist(), "P": P.tolist()}

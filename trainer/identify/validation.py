@@ -9,7 +9,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import nomoto_of
 from trainer.identify.fitting import Fitted
-from trainer.identify.kernels.screening import simulate
+from trainer.identify.kernels.prediction import run_predictor
 from trainer.identify.likelihood import possible
 from trainer.identify.measurements import Record, Samples, samples_of
 from trainer.identify.nonlinear import (
@@ -39,20 +39,23 @@ def root(covariance: Numbers) -> Numbers:
     )
 
 
-def deterministic(problem: Problem, theta: Numbers, driven: Numbers | None = None) -> Numbers:
+def deterministic(problem: Problem, theta: Numbers) -> Numbers:
     """Return states and outputs (n, x+y) of the model alone, without any noise.
 
-    The states are SI, the outputs in knots and degrees. ``driven`` (n, x) is added to the states
-    that follow.
+    The states are SI, the outputs in knots and degrees.
     """
     mean, _, start = problem.sampled(theta).at(0)
-    samples = problem.samples
-    out = np.empty((len(samples.t), mean.shape[1]))
-    still = np.zeros_like(out)
-    inputs = samples.table[:, samples.outputs.shape[1] :]
-    if driven is not None:
-        still[:, : driven.shape[1]] = driven
-    simulate(mean, start[:, 0], np.ascontiguousarray(inputs), samples.steps[1], still, out)
+    return _driven(
+        problem.samples, mean, start[:, 0], np.zeros((len(problem.samples.t), len(start)))
+    )
+
+
+def _driven(samples: Samples, mean: Numbers, first: Numbers, driven: Numbers) -> Numbers:
+    """Return states and outputs (n, x+y) from a ``first`` state; ``driven`` (n, x) is added."""
+    readings = samples.outputs.shape[1]
+    out = np.empty((len(samples.t), len(first) + readings))
+    system = mean, np.zeros((len(first), readings)), np.ascontiguousarray(first)
+    run_predictor(system, samples.table, samples.steps[1], np.ascontiguousarray(driven), out)
     return out
 
 
@@ -64,13 +67,10 @@ def draw_outputs(problem: Problem, theta: Numbers, stream: np.random.Generator) 
     mean, noise, start = sampled.at(0)
     samples = problem.samples
     states, rows = len(start), mean.shape[1]
-    _, which = samples.steps
-    white = stream.standard_normal((len(which), rows))
-    disturbed = np.einsum("kij,kj->ki", root(noise)[which], white)
+    white = stream.standard_normal((len(samples.t), rows))
+    disturbed = np.einsum("kij,kj->ki", root(noise)[samples.steps[1]], white)
     first = start[:, 0] + root(start[:, 1:]) @ stream.standard_normal(states)
-    out = np.empty((len(which), rows))
-    inputs = np.ascontiguousarray(samples.table[:, samples.outputs.shape[1] :])
-    simulate(mean, first, inputs, which, disturbed, out)
+    out = _driven(samples, mean, first, disturbed[:, :states]) + disturbed
     readings = np.where(np.isnan(samples.outputs), np.nan, out[:, states:])
     return replace(samples, outputs=readings)
 
@@ -90,15 +90,6 @@ class Check:
 def alone(problem: Problem, theta: Numbers) -> Numbers:
     """Return the outputs (n, y) of the model by rudder alone, from its initial state."""
     return deterministic(problem, theta)[:, problem.plant.model.states :]
-
-
-def loss_alone(fitted: Fitted) -> float:
-    """Return V1 = (1/n) log det of the errors by rudder alone (6.3)."""
-    left = fitted.problem.samples.outputs - alone(fitted.problem, fitted.found.theta)
-    whole = left[~np.isnan(left).any(axis=1)]
-    if not len(whole):
-        return float("nan")
-    return float(np.linalg.slogdet(whole.T @ whole)[1]) / len(whole)
 
 
 def check_of(fitted: Fitted, path: Path) -> Check:

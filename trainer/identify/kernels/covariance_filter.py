@@ -119,27 +119,23 @@ def square(J: Entries, error: Entries) -> float:
 
 
 @part
-def advance(J: Entries, v: Entries, error: Entries, z: Entries, P: Entries) -> None:
-    """Write the next state to ``z`` and its covariance to ``P`` from the swept ``J``."""
-    states = P.shape[0]
-    for i in range(states):
-        total = v[i]
-        for c in range(error.size):
-            total += J[i, states + c] * error[c]
-        z[i] = total
-        for j in range(states):
-            P[i, j] = J[i, j]
-
-
-@part
-def steady_step(J: Numbers, v: Numbers, error: Numbers, z: Numbers) -> None:
-    """Write the next state to ``z`` by the gain in the swept ``J``, covariance unchanged."""
+def move(J: Entries, v: Entries, error: Entries, z: Entries) -> None:
+    """Write the next state to ``z`` by the gain in the swept ``J``."""
     states = J.shape[0] - error.size
     for i in range(states):
         total = v[i]
         for c in range(error.size):
             total += J[i, states + c] * error[c]
         z[i] = total
+
+
+@part
+def advance(J: Entries, v: Entries, error: Entries, z: Entries, P: Entries) -> None:
+    """Write the next state to ``z`` and its covariance to ``P`` from the swept ``J``."""
+    move(J, v, error, z)
+    for i in range(P.shape[0]):
+        for j in range(P.shape[0]):
+            P[i, j] = J[i, j]
 
 
 @part

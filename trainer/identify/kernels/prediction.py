@@ -1,7 +1,7 @@
-"""Predictors with a given gain, the gain of a settled filter, and longer predictions.
+"""The filter and other predictors shown sample by sample, and the gain of a settled filter.
 
-Model document, 6.2 and 6.4. Arrays are complex: an imaginary step of 1e-100 in one parameter
-carries its exact derivative into errors and losses.
+Model document, 6.2, 6.4 and 6.5. Arrays may be complex: an imaginary step of 1e-100 in one
+parameter carries its exact derivative into all that is shown.
 """
 
 import numpy as np
@@ -16,39 +16,90 @@ from trainer.identify.kernels.covariance_filter import (
     residual,
     square,
 )
-from trainer.identify.kernels.kernel import kernel
+from trainer.identify.kernels.kernel import Entries, kernel, put
 from trainer.identify.kernels.sampling import Complexes
+
+COUNTED, MISSING, REJECTED, SINGULAR = 0.0, 1.0, 2.0, 3.0
 
 
 @kernel
-def run_with_gain(
-    mean: Complexes,
-    gain: Complexes,
-    first: Complexes,
+def show(
+    system: tuple[Entries, Entries, Entries],
     table: Numbers,
     which: Places,
-    errors: Complexes,
+    limits: Numbers,
+    shown: tuple[Entries, Entries, Entries],
 ) -> None:
-    """Write the errors (n, y) of a predictor with a given gain.
+    """Write to each row of ``shown`` state, prediction, error, error' R^-1 error, flag.
 
-    It is x <- A x + B u + K error; the error of a missing reading is not a number. ``mean`` (m,
-    x+y, columns), ``gain`` (x, y), ``first`` (x,).
+    ``system`` is mean, noise and start. A sample is rejected if its error' R^-1 error is beyond
+    ``limits`` (y+1,) for its number of readings: it neither moves the filter nor counts. The
+    other arrays ``shown`` get P (n, x, x) of the state, and R (n, y, y), of missing readings too.
     """
-    states, readings = gain.shape
-    columns = mean.shape[2]
-    z, v = np.ones(columns, np.complex128), np.empty(states + readings, np.complex128)
-    z[:states] = first
+    mean, noise, start = system
+    told, covariances, spreads = shown
+    rows, columns, states = mean.shape[1], mean.shape[2], start.shape[0]
+    readings = rows - states
+    J, kept = np.empty((rows, rows), mean.dtype), np.empty((rows, rows), mean.dtype)
+    work, v = np.empty((rows, states), mean.dtype), np.empty(rows, mean.dtype)
+    error, there = np.empty(readings, mean.dtype), np.empty(readings, np.bool_)
+    z, P = np.ones(columns, mean.dtype), start[:, 1:].copy()
+    z[:states] = start[:, 0]
     for k in range(table.shape[0]):
-        for j in range(states, columns - 1):
-            z[j] = table[k, readings + j - states]
+        put(table[k, readings:], states, z)
         predict(mean[which[k]], z, v)
-        for c in range(readings):
-            errors[k, c] = table[k, c] - v[states + c]
+        joint(mean[which[k]], noise[which[k]], P, work, J)
+        kept[:] = J
+        count = residual(table[k], v, error, there)
+        told[k, :states] = z[:states]
+        told[k, states:rows] = v[states:]
+        told[k, rows : rows + readings] = error
+        covariances[k] = P
+        spreads[k] = J[states:, states:]
+        flag = COUNTED if count > 0 else MISSING
+        told[k, rows + readings] = 0.0
+        if np.isnan(condition(J, error, there)):
+            flag = SINGULAR
+        else:
+            size = square(J, error)
+            told[k, rows + readings] = size
+            if size.real > limits[count]:
+                flag = REJECTED
+        if flag > MISSING:
+            J[:] = kept
+            there[:] = False
+            condition(J, error, there)
+        advance(J, v, error, z, P)
+        told[k, rows + readings + 1] = flag
+
+
+@kernel
+def run_predictor(
+    system: tuple[Entries, Entries, Entries],
+    table: Numbers,
+    which: Places,
+    driven: Numbers,
+    out: Entries,
+) -> None:
+    """Write states and predictions (n, x+y) of a predictor with a given gain to ``out``.
+
+    It is x <- A x + B u + K error + w; a missing reading moves nothing. ``system`` is mean, gain
+    (x, y) and first state (x,), and ``driven`` (n, x) is w.
+    """
+    mean, gain, first = system
+    states, readings = gain.shape
+    z, v = np.ones(mean.shape[2], mean.dtype), np.empty(states + readings, mean.dtype)
+    put(first, 0, z)
+    for k in range(table.shape[0]):
+        put(table[k, readings:], states, z)
+        predict(mean[which[k]], z, v)
+        put(z[:states], 0, out[k])
+        put(v[states:], states, out[k])
         for i in range(states):
-            z[i] = v[i]
+            z[i] = v[i] + driven[k, i]
             for c in range(readings):
-                if not np.isnan(errors[k, c]):
-                    z[i] += gain[i, c] * errors[k, c]
+                if not np.isnan(table[k, c]):
+                    z[i] += gain[i, c] * (table[k, c] - v[states + c])
 
 
 @kernel
@@ -100,85 +151,3 @@ def settle(
         if change <= tolerance:
             return step
     return 0
-
-
-@kernel
-def _look_ahead(
-    system: tuple[Complexes, Complexes],
-    table: Numbers,
-    which: Places,
-    steps: tuple[int, int],
-    begin: tuple[Complexes, Complexes],
-    sums: Complexes,
-) -> int:
-    """Return how many predictions were added to ``sums`` from ``begin``, -1 on failure.
-
-    ``begin`` is z and P before the first row of ``table``; neither is changed. The first of the
-    ``steps`` counted is steps[0], the last steps[1].
-    """
-    mean, noise = system
-    z, P = begin[0].copy(), begin[1].copy()
-    rows, states = mean.shape[1], P.shape[0]
-    readings = rows - states
-    J = np.empty((rows, rows), np.complex128)
-    work, v = np.empty((rows, states), np.complex128), np.empty(rows, np.complex128)
-    error, there = np.empty(readings, np.complex128), np.empty(readings, np.bool_)
-    added = 0
-    for ahead in range(1, min(steps[1], table.shape[0]) + 1):
-        k = ahead - 1
-        for j in range(states, z.size - 1):
-            z[j] = table[k, readings + j - states]
-        predict(mean[which[k]], z, v)
-        joint(mean[which[k]], noise[which[k]], P, work, J)
-        for i in range(states):
-            z[i] = v[i]
-            for j in range(states):
-                P[i, j] = J[i, j]
-        count = residual(table[k], v, error, there)
-        if ahead < steps[0] or count == 0:
-            continue
-        determinant = condition(J, error, there)
-        if np.isnan(determinant):
-            return -1
-        sums[0] += determinant + square(J, error)
-        sums[1] += count
-        added += 1
-    return added
-
-
-@kernel
-def multi_step(
-    system: tuple[Complexes, Complexes],
-    start: Complexes,
-    table: Numbers,
-    which: Places,
-    steps: tuple[int, int],
-    sums: Complexes,
-) -> int:
-    """Return how many predictions of ``steps`` samples count, -1 on failure (MI 6.4).
-
-    ``system`` is mean and noise. ``sums`` (2,) gets log det R + error' R^-1 error, and readings.
-    """
-    mean, noise = system
-    rows, columns, states = mean.shape[1], mean.shape[2], start.shape[0]
-    readings = rows - states
-    J = np.empty((rows, rows), np.complex128)
-    work, v = np.empty((rows, states), np.complex128), np.empty(rows, np.complex128)
-    error, there = np.empty(readings, np.complex128), np.empty(readings, np.bool_)
-    z, P = np.ones(columns, np.complex128), start[:, 1:].copy()
-    z[:states] = start[:, 0]
-    sums[:] = 0.0
-    total = 0
-    for k in range(table.shape[0]):
-        added = _look_ahead(system, table[k:], which[k:], steps, (z, P), sums)
-        if added < 0:
-            return -1
-        total += added
-        for j in range(states, columns - 1):
-            z[j] = table[k, readings + j - states]
-        predict(mean[which[k]], z, v)
-        joint(mean[which[k]], noise[which[k]], P, work, J)
-        residual(table[k], v, error, there)
-        condition(J, error, there)
-        advance(J, v, error, z, P)
-    return total

@@ -18,9 +18,9 @@ from trainer.identify.kernels.covariance_filter import (
     condition,
     has_settled,
     joint,
+    move,
     predict,
     residual,
-    steady_step,
 )
 from trainer.identify.kernels.kernel import clear, kernel, lean, part, put, put_block
 
@@ -284,7 +284,7 @@ def _rows(
         _add_slope(errors[k], squares, slope)
         _next_slopes(J, dJ, error, dv, dx)
         if constant:
-            steady_step(J, v, error, z)
+            move(J, v, error, z)
         else:
             advance(J, v, error, z, P)
         counted += 1
