@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 
 from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
-from trainer.identify.own_systems import STEP, aside
+from trainer.identify.sampled import STEP, aside
 from trainer.identify.system_files import key_tables, load_system, parse
 
 pytest.importorskip("scipy")

@@ -110,8 +110,8 @@ def test_errors_of_all_runs_have_one_covariance_with_a_gain(gains: Any) -> None:
 
 def test_two_runs_at_two_speeds_tell_more_than_one() -> None:
     (first, _), both = runs(300)
-    found = estimate(Likelihood(both), both.start, "auto", Search())
-    alone = estimate(Likelihood(first), first.start, "auto", Search())
+    found = estimate(Likelihood(both), both.start, "scoring", Search())
+    alone = estimate(Likelihood(first), first.start, "scoring", Search())
     ours, theirs = (
         np.sqrt(np.diag(np.linalg.inv(hessian(Likelihood(problem), one.theta))))
         for problem, one in ((both, found), (first, alone))

@@ -6,7 +6,7 @@ dn in the first n equations where the initial state is estimated.
 ARMAX models fitted by maximum likelihood: V = 1/2 sum eps^2 brought to its least (9).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, NamedTuple
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.armax import combine, filter_by_c, simulate_armax
 
 KINDS: Final = ("a", "b", "c", "d")
 
@@ -53,23 +52,22 @@ class Armax:
 
     def residuals(self, y: Numbers, u: Numbers) -> Numbers:
         """Return the one-step errors eps (N,) of output y and input u, both (N,)."""
-        a, b, c = (np.asarray(part) for part in (self.a, self.b, self.c))
-        w, eps = np.empty_like(y), np.empty_like(y)
-        combine(a, b, y, u, w)
-        w[: len(self.d)] -= np.asarray(self.d)
-        filter_by_c(c, w, eps)
-        return eps
+        left = filtered((1.0, *self.a), (1.0,), y) - filtered((0.0, *self.b), (1.0,), u)
+        left[: len(self.d)] -= self.d
+        return filtered((1.0,), (1.0, *self.c), left)
 
     def simulated(self, u: Numbers, e: Numbers) -> Numbers:
         """Return the output (N,) to input u under white disturbance e, both (N,)."""
-        a, b = np.asarray(self.a), np.asarray(self.b)
-        disturbance = e.copy()
-        for i, c in enumerate(self.c, start=1):
-            disturbance[i:] += c * e[:-i]
-        disturbance[: len(self.d)] += np.asarray(self.d)
-        y = np.empty_like(u)
-        simulate_armax(a, b, u, disturbance, y)
-        return y
+        moved = filtered((0.0, *self.b), (1.0,), u) + filtered((1.0, *self.c), (1.0,), e)
+        moved[: len(self.d)] += self.d
+        return filtered((1.0,), (1.0, *self.a), moved)
+
+
+def filtered(over: Sequence[float], under: Sequence[float], series: Numbers) -> Numbers:
+    """Return a series (N,) times a ratio of polynomials in q^-1, at rest before it."""
+    from scipy.signal import lfilter  # noqa: PLC0415 - an extra, imported on use
+
+    return np.asarray(lfilter(over, under, series))
 
 
 def roots_of(polynomial: tuple[float, ...]) -> tuple[complex, ...]:
@@ -153,31 +151,30 @@ class _Search:
         found[noise] = np.poly(np.append(inside, np.zeros(n - len(inside)))).real[1:]
         return found
 
+    def radius(self, theta: Numbers) -> float:
+        """Return how far out the zeros of C are."""
+        return max(abs(root) for root in (0.0, *roots_of((1.0, *self.model(theta).c))))
+
     def loss(self, theta: Numbers) -> float:
         """Return V; infinite where C has a zero beyond the rim."""
-        model = self.model(theta)
-        if max((abs(root) for root in roots_of((1.0, *model.c))), default=0.0) > RIM + 1e-9:
+        if self.radius(theta) > RIM + 1e-9:
             return float(np.inf)
-        eps = model.residuals(self.y, self.u)
+        eps = self.model(theta).residuals(self.y, self.u)
         value = 0.5 * float(eps @ eps)
         return value if np.isfinite(value) else float(np.inf)
 
     def at_rim(self, theta: Numbers) -> bool:
         """Return whether a zero of C is held at the rim. The loss would fall beyond it."""
-        return max(abs(root) for root in (0.0, *roots_of((1.0, *self.model(theta).c)))) > RIM - 1e-6
+        return self.radius(theta) > RIM - 1e-6
 
     def jacobian(self, theta: Numbers) -> tuple[Numbers, Numbers]:
         """Return eps (N,) and its derivatives (N, sought)."""
         model = self.model(theta)
-        eps, c, n = model.residuals(self.y, self.u), np.asarray(model.c), self.order
+        eps, n = model.residuals(self.y, self.u), self.order
         impulse = np.zeros_like(self.y)
         impulse[0] = -1.0
         sources = (self.y, -self.u, -eps, impulse)
-        bases = []
-        for source in sources:
-            base = np.empty_like(self.y)
-            filter_by_c(c, source, base)
-            bases.append(base)
+        bases = [filtered((1.0,), (1.0, *model.c), source) for source in sources]
         columns = [
             _later(bases[place // n], place % n + (0 if place // n == 3 else 1))
             for place in self.sought
@@ -285,8 +282,7 @@ def _descend(search: _Search, theta: Numbers) -> _End:
         nearer = _nearer(search, theta, step, loss)
         if nearer is None:
             return _End(theta, rounds, search.at_rim(theta) or expected < NO_NEARER * loss)
-        (theta, lower), before = nearer, loss
-        loss = lower
+        before, (theta, loss) = loss, nearer
         if search.at_rim(theta) and before - loss < SETTLED * loss:
             return _End(theta, rounds, settled=True)
     return _End(theta, ROUNDS, settled=False)

@@ -1,6 +1,5 @@
 """A Decca study from its file, and program DECCON carried out over it."""
 
-import csv
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -25,6 +24,7 @@ from trainer.config.schema import (
 from trainer.config.tables import Table, read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.decca import LETTERS, ZONES, Fix, Point, Slave, lane_number, track
+from trainer.identify.sources import write_columns
 from trainer.identify.study_records import TURNING
 from trainer.identify.track import (
     Drift,
@@ -33,7 +33,6 @@ from trainer.identify.track import (
     smooth_spencer,
     through_water,
 )
-from trainer.io.atomic_write import replacing
 from trainer.units import KNOT
 
 METRES: Final = within(-1e7, 1e7)
@@ -288,11 +287,4 @@ def write_track(sailed: Sailed, path: Path) -> None:
     columns |= {"psi": sailed.heading, "r": sailed.yaw_rate, "v": sailed.sway, "u": sailed.ahead}
     if sailed.rudder is not None:
         columns["delta_r"] = sailed.rudder
-    try:
-        with replacing(path) as made, made.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(columns)
-            for row in zip(*columns.values(), strict=True):
-                writer.writerow(["" if math.isnan(x) else repr(float(x)) for x in row])
-    except OSError as error:
-        raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from error
+    write_columns(path, columns)

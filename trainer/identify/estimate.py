@@ -56,17 +56,11 @@ def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
 Minimiser = Callable[[Cost, Numbers, Search], Found]
 
 
-def auto(cost: Cost, theta: Numbers, search: Search) -> Found:
+def by_scoring(cost: Cost, theta: Numbers, search: Search) -> Found:
     """Return the minimum by scoring, then by scipy's minimisers where that is none."""
     problem = stretch(cost, theta)
     eta, steps = scoring(problem, np.zeros(len(theta)), search)
     return settle(problem, eta, search, steps)
-
-
-def alone(cost: Cost, theta: Numbers, search: Search) -> Found:
-    """Return where scoring alone leads."""
-    problem = stretch(cost, theta)
-    return judged(problem, *scoring(problem, np.zeros(len(theta)), search))
 
 
 def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
@@ -77,10 +71,9 @@ def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
 
 
 MINIMISERS: Final[dict[str, Minimiser]] = {
-    "auto": auto,
-    "scoring": alone,
+    "scoring": by_scoring,
     "bfgs": bfgs,
-    "powell": powell,
+    "direct": powell,
 }
 
 

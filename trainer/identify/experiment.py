@@ -68,13 +68,6 @@ def hold_bits(sequence: Numbers, amplitude: float, samples: int) -> Numbers:
     return np.repeat(amplitude * sequence, samples)
 
 
-def autocorrelation(sequence: Numbers) -> Numbers:
-    """Return the periodic autocorrelation, 1 at lag 0, for each lag of a period."""
-    spectrum = np.abs(np.fft.fft(sequence)) ** 2
-    own = np.fft.ifft(spectrum).real
-    return np.asarray(own / own[0])
-
-
 LEAD: Final = 30.0  # [s] of straight motion before the first helm
 GENTLE: Final = 10.0  # [deg] of rudder beyond which ships are not linear
 HOLD: Final = (0.2, 0.5)  # [T1] of a bit

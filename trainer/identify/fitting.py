@@ -42,7 +42,6 @@ from trainer.identify.uncertainty import (
     uncertainty,
 )
 
-METHODS: Final = {"scoring": "auto", "bfgs": "bfgs", "direct": "powell"}
 STEPS: Final = 200
 RESTARTS: Final = 12  # in a row that must not find better, before a fit counts as settled
 FEWEST: Final = 2  # of them, whatever a study says
@@ -261,7 +260,7 @@ def fit(
         search = Search(STEPS, _both(heard, keep(kept, problem)))
     table = table_of(study)
     restarts = RESTARTS if table.restarts is None else max(FEWEST, int(table.restarts))
-    cost, method = cost_of(problem, table), METHODS[table.method or "scoring"]
+    cost, method = cost_of(problem, table), table.method or "scoring"
     found = estimate(cost, start, method, search, Starts(restarts))
     rejected: list[tuple[int, int]] = []
     for _ in range(SCREENINGS if table.reject else 0):

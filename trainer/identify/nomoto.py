@@ -168,16 +168,3 @@ def scale(system: str, length: float, speed: float) -> Scale:
     if system == "si":
         return Scale(1.0, 1.0, 1.0)
     raise ConfigError(f"system {system!r}: must be prime, bis or si")
-
-
-def convert_units(found: Nomoto, own: Scale, wanted: Scale) -> Nomoto:
-    """Return ``found`` in other units: K in 1/time, T in time, K_v in speed."""
-    time, speed = own.time / wanted.time, own.speed / wanted.speed
-    return Nomoto(
-        K=found.K / time,
-        T1=found.T1 * time,
-        T2=found.T2 * time,
-        T3=found.T3 * time,
-        K_v=found.K_v * speed,
-        T3v=found.T3v * time,
-    )

@@ -4,7 +4,6 @@ A file is of a Nomoto ship or of a vessel. Series and matrices are the listings 
 report's programs (MI 13).
 """
 
-import csv
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,9 +23,9 @@ from trainer.identify.models import UNITS
 from trainer.identify.nonlinear import Bend, predict
 from trainer.identify.prediction_error import Innovations
 from trainer.identify.problem import Problem
+from trainer.identify.sources import write_columns
 from trainer.identify.steering import averages, coefficients, limits, rewritten
 from trainer.identify.validation import alone
-from trainer.io.atomic_write import replacing
 from trainer.units import DEGREE, KNOT
 
 RUDDER_LIMIT = 35.0  # [deg] of many ships, where no vessel file tells
@@ -255,18 +254,13 @@ def series_of(fitted: Fitted, number: int = 0) -> dict[str, Numbers]:
 def write_series(fitted: Fitted, path: Path) -> None:
     """Write the columns of a fit as CSV; ConfigError if it cannot be."""
     runs = [series_of(fitted, number) for number in range(len(fitted.problem.runs))]
-    names = [*(["run"] if fitted.others else []), *runs[0]]
-    try:
-        with replacing(path) as made, made.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(names)
-            for number, columns in enumerate(runs, 1):
-                nothing = np.full(len(columns["t_s"]), math.nan)
-                told = {"run": np.full(len(nothing), float(number)), **columns}
-                for row in np.column_stack([told.get(name, nothing) for name in names]):
-                    writer.writerow(["" if math.isnan(x) else f"{x:.10g}" for x in row])
-    except OSError as error:
-        raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from error
+    sizes = [len(columns["t_s"]) for columns in runs]
+    found = {"run": np.repeat(np.arange(1.0, 1 + len(runs)), sizes)} if fitted.others else {}
+    for name in runs[0]:
+        parts = zip(runs, sizes, strict=True)
+        whole = [columns.get(name, np.full(size, math.nan)) for columns, size in parts]
+        found[name] = np.concatenate(whole)
+    write_columns(path, found, ".10g")
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.models import Model, Own, Parameter, Plant
+from trainer.identify.sampled import STEP, aside
 
 Matrices = dict[str, Entries]  # by name, (b, rows, columns)
 Function = Callable[[Entries], Matrices]
@@ -29,7 +30,6 @@ ORDER: Final = ("A", "B", "C", "D", "R1", "R2", "x0", "P0")  # of a function's t
 NAMES: Final = (*ORDER, "f", "d", "R12", "K")
 NOISE: Final = {"R1", "R2", "R12", "P0"}
 LARGEST: Final = 20  # states, inputs, outputs
-STEP: Final = 1e-100  # imaginary part that carries a derivative
 STRAY: Final = 1e-50  # beyond which an imaginary part is none: a root of a negative number
 SAME: Final = 1e-4  # [-] of the largest slope, that a program's own slopes must agree to
 EMPTY: Final[Numbers] = np.zeros((0, 0))
@@ -198,11 +198,6 @@ def _stepped(function: _Programmed, start: Numbers) -> tuple[Function, str]:
     if agree:
         return function, "complex step"
     return (lambda theta: _by_differences(function, theta)), "differences"
-
-
-def aside(theta: Numbers) -> Entries:
-    """Return ``theta`` (n,), and below it a row with an imaginary step in each."""
-    return np.vstack([theta, theta + 1j * STEP * np.eye(len(theta))])
 
 
 def _by_differences(function: _Programmed, theta: Entries) -> Matrices:

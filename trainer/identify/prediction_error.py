@@ -136,9 +136,7 @@ class Innovations:
         return whole if np.isfinite(whole).all() and whole.shape[1] else None
 
 
-def _run(
-    problem: Problem, sampled: Sampled, gains: Complexes, row: int
-) -> tuple[Entries, Entries]:
+def _run(problem: Problem, sampled: Sampled, gains: Complexes, row: int) -> tuple[Entries, Entries]:
     """Return states (n, x) and errors (n, y) of one row; NaN where a reading is missing."""
     samples, states = problem.samples, sampled.start.shape[1]
     out = np.empty((len(samples.t), states + samples.outputs.shape[1]), complex)

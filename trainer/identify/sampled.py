@@ -16,15 +16,11 @@ STEP: Final = 1e-100  # imaginary part that carries a derivative without roundin
 LANES: Final = 4  # numbers that a processor takes at a time
 
 
-def aside(theta: Numbers, free: Sequence[int]) -> Complexes:
-    """Return ``theta`` (n,), and below it one row for each place in ``free``.
-
-    Each row is a step aside.
-    """
-    rows = np.empty((1 + len(free), len(theta)), complex)
-    rows[:] = theta
-    for row, place in enumerate(free, 1):
-        rows[row, place] += 1j * STEP
+def aside(theta: Numbers, free: Sequence[int] | None = None) -> Complexes:
+    """Return ``theta`` (n,), and below it a row with a step aside in each place, or in ``free``."""
+    places = np.arange(len(theta)) if free is None else np.array(free, int)
+    rows = np.tile(theta.astype(complex), (1 + len(places), 1))
+    rows[np.arange(1, 1 + len(places)), places] += 1j * STEP
     return rows
 
 

@@ -1,7 +1,7 @@
 """Steering of a boat by its vessel file, in Model 1's terms. Such a file is rewritten too.
 
 The rudder of a vessel file and that of the models have one sign: positive turns to port. Roll is
-left out of the models; what it does to sway and yaw is small, and `gap` says how small.
+left out of the models: what it does to sway and yaw is small.
 
 A ship in a few numbers as a vehicle for manoeuvres: a Nomoto file under helm.
 
@@ -153,21 +153,6 @@ def limits(file: VesselFile) -> tuple[float, float]:
     """Return limit [rad] and rate [rad/s] of the rudder."""
     surfaces = file.surfaces
     return math.radians(surfaces.rudder_limit_deg), math.radians(surfaces.rate_deg_s)
-
-
-def gap(file: VesselFile, speed: float) -> float:
-    """Return by how much roll changes the slowest root of sway and yaw [-]."""
-    whole = horizontal(file, speed)
-    own = np.linalg.eigvals(solve_matrix(file, speed))
-    slowest = own[int(np.argmax(own.real))]
-    near = whole.eigenvalues[int(np.argmin(np.abs(whole.eigenvalues - slowest)))]
-    return float(abs(near - slowest) / abs(slowest))
-
-
-def solve_matrix(file: VesselFile, speed: float) -> Numbers:
-    """Return A of d(v, r)/dt = A (v, r), SI."""
-    found = steering(file, speed)
-    return np.asarray(np.linalg.solve(found.M, found.F))
 
 
 COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r")

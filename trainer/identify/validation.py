@@ -24,19 +24,7 @@ from trainer.identify.prediction_error import Innovations
 from trainer.identify.problem import Problem
 from trainer.identify.start_values import STATES
 from trainer.identify.study import load_study, observe
-
-
-def root(covariance: Numbers) -> Numbers:
-    """Return C with C C' = ``covariance`` (..., n, n), which may be singular.
-
-    Rounding counts as nothing: units differ by many powers of ten, so each is taken by its own.
-    """
-    width = np.sqrt(np.maximum(np.einsum("...ii->...i", covariance), 0.0))
-    unit = np.where(width > 0.0, width, 1.0)
-    sizes, vectors = np.linalg.eigh(covariance / (unit[..., None] * unit[..., None, :]))
-    return np.asarray(
-        width[..., None] * vectors * np.sqrt(np.maximum(sizes, 0.0))[..., None, :], float
-    )
+from trainer.identify.uncertainty import root
 
 
 def deterministic(problem: Problem, theta: Numbers) -> Numbers:
