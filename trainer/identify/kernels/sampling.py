@@ -165,6 +165,14 @@ def _over(
         mean[i, columns - 1 + inputs] += after[i, columns - 1]
 
 
+@part
+def _part_columns(source: Entries, states: int, by: int, out: Entries) -> None:
+    """Write ``source`` to ``out``, what is behind the states ``by`` columns further on."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            out[i, j if j < states else j + by] = source[i, j]
+
+
 @kernel
 def sample_blocks(
     blocks: tuple[Entries, Entries, Entries],
@@ -191,9 +199,7 @@ def sample_blocks(
     whole = np.empty((moving, moving + 2 * inputs + 1), drift.dtype)
     clear(covariance)
     for b in range(batch):
-        for i in range(moving):
-            for j in range(columns):
-                stacked[i, j if j < states else j + moving - states] = drift[b, i, j]
+        _part_columns(drift[b, :moving], states, moving - states, stacked)
         for m in range(intervals.size):
             ends[0] = _bound_lag(lag[b], intervals[m])
             ends[1] = intervals[m] - ends[0]
@@ -205,7 +211,6 @@ def sample_blocks(
             for i in range(moving, rows):
                 for j in range(mean.shape[3]):
                     mean[b, m, i, j] = 0.0
-                for j in range(columns):
-                    mean[b, m, i, j if j < states else j + inputs] = drift[b, i, j]
                 for j in range(states, rows):
                     covariance[b, m, i, j] = noise[b, i, j]
+            _part_columns(drift[b, moving:], states, inputs, mean[b, m, moving:])
