@@ -8,8 +8,15 @@ import pytest
 from helpers.places import ROOT
 
 from trainer.config.files import ConfigError
-from trainer.identify.armax import Armax, _Search, fit_armax
-from trainer.identify.armax_orders import detrend, remove_delay, try_orders, without_wind
+from trainer.identify.armax import (
+    Armax,
+    _Search,
+    detrend,
+    fit_armax,
+    remove_delay,
+    try_orders,
+    without_wind,
+)
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.residuals import examine_residuals, verdicts
 

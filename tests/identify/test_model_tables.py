@@ -9,8 +9,7 @@ import pytest
 from helpers.places import DATA
 
 from trainer.config.files import ConfigError
-from trainer.identify.armax import Armax
-from trainer.identify.armax_orders import rounding_poles, without_wind
+from trainer.identify.armax import Armax, rounding_poles, without_wind
 from trainer.identify.experiment import TAPS, hold_bits, prbs
 from trainer.identify.nomoto import levers, nomoto, scale, solve_motion, transfer
 from trainer.identify.residuals import aic_of_loss, f_test, ratio_test

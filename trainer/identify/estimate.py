@@ -17,12 +17,14 @@ from trainer.identify.minimise import (
     CLOSE,
     Cost,
     Found,
+    Progress,
     Search,
     judged,
     scipy_search,
     scoring,
     settle,
     stretch,
+    unheard,
 )
 from trainer.identify.problem import Problem
 
@@ -197,8 +199,8 @@ def _others(cost: Cost, theta: Numbers, starts: Starts) -> Iterator[Numbers]:
             yield begin
 
 
-def keep(path: Path, problem: Problem) -> Callable[[Found], None]:
-    """Return what writes each step of a search to ``path``, whole or not at all."""
+def keep(path: Path, problem: Problem, heard: Progress = unheard) -> Progress:
+    """Return what writes each step of a search to ``path``, whole or not at all, and tells it."""
 
     def write(found: Found) -> None:
         theta = problem.folded(found.theta) * problem.scale
@@ -210,6 +212,7 @@ def keep(path: Path, problem: Problem) -> Callable[[Found], None]:
         part = path.with_name(path.name + ".part")
         part.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
         os.replace(part, path)  # noqa: PTH105 - one call that is atomic on every system
+        heard(found)
 
     return write
 

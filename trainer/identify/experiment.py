@@ -179,9 +179,9 @@ def remarks(sequence: Sequence, ship: Nomoto, interval: float) -> Iterator[str]:
 class ZigZagTold:
     """The course of a zig-zag of the boat in a calm."""
 
-    reach_s: float | None  # from the first helm to the second
-    period_s: float | None  # from the second helm to the fourth
-    overshoots_deg: tuple[float, ...]
+    reach_s: float | None = None  # from the first helm to the second
+    period_s: float | None = None  # from the second helm to the fourth
+    overshoots_deg: tuple[float, ...] = ()
 
 
 def zigzag_flight(

@@ -78,7 +78,7 @@ def sample(blocks: Blocks, intervals: Numbers, sampling: str) -> Sampled:
     states = blocks.start.shape[1]
     inputs = columns - states - 1
     mean = np.zeros((batch, intervals.size, rows, columns + inputs), blocks.drift.dtype)
-    noise = np.empty((batch, intervals.size, rows, rows), blocks.drift.dtype)
+    noise = np.zeros((batch, intervals.size, rows, rows), blocks.drift.dtype)
     if sampling == "discrete":
         mean[..., :states] = blocks.drift[:, None, :, :states]
         mean[..., states + inputs :] = blocks.drift[:, None, :, states:]

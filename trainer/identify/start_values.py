@@ -27,18 +27,11 @@ FREE: Final[Mapping[str, tuple[str, ...]]] = {  # beside errors and the initial 
     "nomoto1": ("K", "T", "delta_0", "R1_r"),
     "nomoto2": ("a1", "a2", "b1", "b2", "delta_0", "R1_1", "R1_2"),
 }
-ERRORS: Final[Mapping[str, Mapping[str, str]]] = {
-    "1": {
-        "sway": "R2_v1",
-        "bow_sway": "R2_v1",
-        "stern_sway": "R2_v2",
-        "yaw_rate": "R2_r",
-        "heading": "R2_psi",
-    },
+TURNING: Final = {"yaw_rate": "R2_r", "heading": "R2_psi"}
+ERRORS: Final[Mapping[str, Mapping[str, str]]] = {  # of what is read
+    "1": {"sway": "R2_v1", "bow_sway": "R2_v1", "stern_sway": "R2_v2", **TURNING},
     "2": {"sway": "R2_v"},
-    "3": {"yaw_rate": "R2_r", "heading": "R2_psi"},
-    "nomoto1": {"yaw_rate": "R2_r", "heading": "R2_psi"},
-    "nomoto2": {"yaw_rate": "R2_r", "heading": "R2_psi"},
+    **dict.fromkeys(("3", "nomoto1", "nomoto2"), TURNING),
 }
 STATES: Final[Mapping[str, tuple[tuple[str, str], ...]]] = {  # initial state: what reads it
     "1": (("x1_0", "sway"), ("x2_0", "yaw_rate"), ("x3_0", "heading")),

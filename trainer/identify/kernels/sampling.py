@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import Entries, clear, kernel, lean, part, put_block
+from trainer.identify.kernels.kernel import Entries, kernel, lean, part, put_block
 
 Complexes = NDArray[np.complex128]
 Room = tuple[Entries, Entries]  # scratch for rows of [A B f], and for squares
@@ -184,8 +184,8 @@ def sample_blocks(
 
     MEAS 0 and 1, MI 4 and 7. ``blocks`` are drift (b, x+y, x+u+1), noise (b, x+y, x+y) and lag (b,)
     [s], ``intervals`` (m,) [s]; ``out`` are mean (b, m, x+y, x+2u+1) and covariance (b, m, x+y,
-    x+y). Where the states alone move, a reading sees the input of its own instant. Where the
-    readings do too, their rows are rates, and they are summed from zero.
+    x+y), zeros before. Where the states alone move, a reading sees the input of its own instant.
+    Where the readings do too, their rows are rates, and they are summed from zero.
     """
     drift, noise, lag = blocks
     mean, covariance = out
@@ -197,7 +197,6 @@ def sample_blocks(
     wide = np.empty((4, moving, moving + inputs + 1), drift.dtype)
     room = wide, np.empty((3, moving, moving), drift.dtype)
     whole = np.empty((moving, moving + 2 * inputs + 1), drift.dtype)
-    clear(covariance)
     for b in range(batch):
         _part_columns(drift[b, :moving], states, moving - states, stacked)
         for m in range(intervals.size):
@@ -209,8 +208,6 @@ def sample_blocks(
                 for j in range(mean.shape[3]):
                     mean[b, m, i, j] = whole[i, j if j < states else j + moving - states]
             for i in range(moving, rows):
-                for j in range(mean.shape[3]):
-                    mean[b, m, i, j] = 0.0
                 for j in range(states, rows):
                     covariance[b, m, i, j] = noise[b, i, j]
             _part_columns(drift[b, moving:], states, inputs, mean[b, m, moving:])

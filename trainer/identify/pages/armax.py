@@ -7,7 +7,7 @@ from typing import Final
 from trainer.analysis.report.plots import Screen
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.files import ConfigError
-from trainer.identify.armax_orders import (
+from trainer.identify.armax import (
     FirstOrder,
     Orders,
     detrend,
