@@ -1,11 +1,8 @@
 """Rudder experiments are designed for a boat: the helm's times, and their worth.
 
 Section 10. A sequence excites best with an amplitude small enough to stay linear, each bit held
-0.2 to 0.5 T1, for 20 to 40 T1, read at intervals between T2/2 and T1/5.
-
-Pseudo-random binary sequences, by maximum-length shift registers (section 10).
-
-A boat flown under timed orders in a calm, without ports or clock, as a record.
+0.2 to 0.5 T1, for 20 to 40 T1, read at intervals between T2/2 and T1/5. It is pseudo-random, by
+maximum-length shift registers, and is flown in a calm, without ports or clock, as a record.
 """
 
 import math

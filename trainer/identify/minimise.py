@@ -404,15 +404,10 @@ def settle(problem: Stretched, eta: Numbers, search: Search, steps: int = 0) -> 
             eta, more = scipy_search(problem, eta, POLISH[turn % len(POLISH)], search)
         steps += more
         verdict = judge(problem, eta)
-    return _place(problem, eta, steps, verdict)
+    return judged(problem, eta, steps, verdict)
 
 
-def judged(problem: Stretched, eta: Numbers, steps: int) -> Found:
-    """Return the place ``eta`` as it was found, judged."""
-    return _place(problem, eta, steps, judge(problem, eta))
-
-
-def _place(problem: Stretched, eta: Numbers, steps: int, verdict: Verdict) -> Found:
-    """Return a place that was judged."""
-    theta = problem.theta(eta)
+def judged(problem: Stretched, eta: Numbers, steps: int, verdict: Verdict | None = None) -> Found:
+    """Return the place ``eta`` as it was found, judged, if it was not yet."""
+    verdict, theta = verdict or judge(problem, eta), problem.theta(eta)
     return Found(theta, problem.cost.value(theta), steps, not verdict.doubt, verdict.doubt)

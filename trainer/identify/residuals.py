@@ -1,12 +1,8 @@
-"""The residuals of a fit are examined. They ought to be white, normal and free of the input. (8.4).
+"""Residuals of a fit are tested (8.4), and how many parameters a record supports (8.3).
 
-Residuals are (N,) of one output, standardised where there are several; NaN is a sample that did
-not count, and the pairs it is in are left out.
-
-How many parameters a record supports: F test, Akaike's criterion, likelihood ratio (8.3).
-
-For a scalar output V = 1/2 sum eps^2 over N samples; p counts coefficients and estimated initial
-states, the noise variance not.
+Residuals are (N,) of one output, standardised where there are several; NaN is a sample that did not
+count, and the pairs it is in are left out. For a scalar output V = 1/2 sum eps^2 over N samples; p
+counts coefficients and estimated initial states, the noise variance not.
 """
 
 import math

@@ -137,11 +137,7 @@ def first_order(record: Record, channel: str) -> tuple[float, float]:
 
     A yaw rate that was not read is that of the heading.
     """
-    values = getattr(record, channel)
-    if values is None and channel == "yaw_rate":
-        turned = np.diff(record.column("heading")) / np.diff(record.t)
-        values = np.append(turned, turned[-1])
-    values = record.column(channel) if values is None else values
+    values = record.column("turning" if channel == "yaw_rate" else channel)
     rudder, step = record.column("rudder"), record.interval
     usual = np.abs(np.diff(record.t) - step) < 0.01 * step
     good = usual & ~np.isnan(values[1:]) & ~np.isnan(values[:-1])
@@ -173,7 +169,4 @@ def _disturb(plant: Plant, record: Record, values: Numbers, told: Mapping[str, f
 def _motion(record: Record, channel: str) -> float:
     """Return the usual size of a channel, SI."""
     values = getattr(record, channel)
-    if values is None:
-        turned = np.diff(record.column("heading")) / np.diff(record.t)
-        return float(np.nanstd(turned)) or 1e-6
-    return float(np.nanstd(values)) or 1e-6
+    return float(np.nanstd(record.column("turning")[:-1] if values is None else values)) or 1e-6

@@ -1,8 +1,7 @@
 """The certainty of the parameters, and those that the data cannot separate (MI 3.7, 8.3).
 
-How uncertain numbers are that are computed from estimated ones: the delta method and draws.
-
-The delta method takes the numbers for linear in the parameters. Where they bend sharply, as time
+Of numbers that follow from them, by the delta method and by draws. The delta method takes the
+numbers for linear in the parameters. Where they bend sharply, as time
 constants do near a double root, only draws give intervals that hold the truth.
 """
 
