@@ -153,6 +153,6 @@ def quantities(plant: Plant, values: Numbers) -> Numbers:
 def quantity_units(model: Model) -> dict[str, str]:
     """Return the names of what ``quantities`` returns, and units."""
     if model.system is not None:
-        return dict(model.system.quantities)
+        return model.system.quantities
     derivatives_of = DERIVATIVES if model.name == "1" else ()
     return dict.fromkeys(derivatives_of, "-") | QUANTITIES

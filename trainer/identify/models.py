@@ -5,10 +5,10 @@ outputs are in knots, degrees and degrees a second, states in m/s, rad/s and rad
 taken by magnitude, correlations and the time lag by sine, so that no number is out of bounds.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from trainer.core.kernel import Numbers
 from trainer.identify.kernels import ship_models
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.nomoto import rate_coefficients
+
+if TYPE_CHECKING:
+    from trainer.identify.own_systems import System
 
 # output channels, by their place in the kernels
 UNITS: Final = {  # of a channel, and how many of them one SI unit is
@@ -47,24 +50,12 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Own:
-    """The names of a user's own system, and the numbers that follow from its parameters."""
-
-    inputs: tuple[str, ...]
-    units: Mapping[str, str]  # of outputs
-    first: tuple[str, ...]  # parameters of the first state alone
-    pairs: tuple[tuple[str, str], ...]  # first state and its variance
-    quantities: Mapping[str, str]  # that follow from the parameters, and their units
-    tell: Callable[["Plant", Numbers], Numbers]  # these numbers
-
-
-@dataclass(frozen=True)
 class Model:
     """A family of linear systems: ``assemble`` fills the matrices, see kernels.ship_models.
 
     ``start`` and ``start_covariance`` are the first places of x(t0) and P(t0) in the parameters.
     ``given`` are other numbers that the first parameters follow from, all of them, by ``follow``.
-    ``system`` is what a user's own one tells instead of a ship.
+    ``system`` is a user's own one, which is no ship.
     """
 
     name: str
@@ -77,7 +68,7 @@ class Model:
     start_covariance: int = 0
     given: tuple[str, ...] = ()
     follow: Callable[..., tuple[float, ...]] | None = None
-    system: Own | None = None
+    system: "System | None" = None
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -91,7 +82,7 @@ class Model:
         They are the first state, and the steady forces of wind and residual helm.
         """
         if self.system is not None:
-            return self.system.first
+            return self.system.only_in({"x0"})
         states = (f"x{i}_0" for i in range(1, 1 + self.states))
         return tuple(name for name in (*states, *STEADY) if name in self.names)
 
@@ -107,7 +98,9 @@ class Model:
 
     def unit(self, output: str) -> str:
         """Return the unit of an output."""
-        return UNITS[output][0] if self.system is None else self.system.units[output]
+        if self.system is None:
+            return UNITS[output][0]
+        return self.system.units[self.outputs.index(output)]
 
     def place(self, name: str) -> int:
         """Return a parameter's place, by name or as theta1, theta2, ...; ConfigError if none."""

@@ -58,10 +58,7 @@ def _half_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, half: 
 
 @part
 def _joint_slopes(mean: Numbers, half: Numbers, out: Numbers) -> None:
-    """Add dJ = dW P W' + W P dW' + W dP W' to ``out`` (x+y, x+y, p).
-
-    ``out`` has dQ already.
-    """
+    """Add dJ = dW P W' + W P dW' + W dP W' to ``out`` (x+y, x+y, p). ``out`` has dQ already."""
     rows, states, count = half.shape
     for i in range(rows):
         for j in range(i + 1):
