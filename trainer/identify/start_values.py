@@ -14,6 +14,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import Record
 from trainer.identify.models import UNITS, Plant
+from trainer.identify.nomoto import rate_coefficients
 from trainer.identify.study_records import ParameterRow
 
 RESTLESS: Final = 0.1  # [-] of the yaw rate, that disturbances start as
@@ -116,20 +117,17 @@ def _regress(plant: Plant, record: Record) -> dict[str, float]:
     k = plant.ship.speed / plant.ship.length
     gain, T = first_order(record, "sway" if kind == "2" else "yaw_rate")
     T2, T3 = T / 8.0, T / 4.0  # of many ships
+    T1 = T + T3 - T2
     if kind == "nomoto1":
         return {"K": gain, "T": T}
     if kind == "nomoto2":
-        return {"K": gain, "T1": T + T3 - T2, "T2": T2, "T3": T3}
-    T1 = T + T3 - T2
-    a1, a2 = (T1 + T2) / (T1 * T2) / k, 1.0 / (T1 * T2) / k**2
+        return {"K": gain, "T1": T1, "T2": T2, "T3": T3}
+    a1, a2, b1, b2 = rate_coefficients(gain, T1, T2, T3)
+    told = {"a1": a1 / k, "a2": a2 / k**2}
     if kind == "3":
-        return {"a1": a1, "a2": a2, "b1": gain * T3 * a2 * k**2 / k**2, "b2": gain * a2 / k}
-    return {
-        "a1": a1,
-        "a2": a2,
-        "c1": gain * a2 * k * T3 / plant.ship.speed,
-        "c2": gain * a2 / plant.ship.speed,
-    }
+        return told | {"b1": b1 / k**2, "b2": b2 / k**3}
+    V = plant.ship.speed
+    return told | {"c1": b1 / (k * V), "c2": b2 / (k**2 * V)}
 
 
 def first_order(record: Record, channel: str) -> tuple[float, float]:
