@@ -53,7 +53,6 @@ class Parameter:
 class Model:
     """A family of linear systems: ``assemble`` fills the matrices, see kernels.ship_models.
 
-    ``start`` and ``start_covariance`` are the first places of x(t0) and P(t0) in the parameters.
     ``given`` are other numbers that the first parameters follow from, all of them, by ``follow``.
     ``system`` is a user's own one, which is no ship.
     """
@@ -62,10 +61,8 @@ class Model:
     parameters: tuple[Parameter, ...]
     outputs: tuple[str, ...]
     states: int
-    inputs: int
     assemble: Callable[..., Any]
-    start: int = 0
-    start_covariance: int = 0
+    inputs: int = 1
     given: tuple[str, ...] = ()
     follow: Callable[..., tuple[float, ...]] | None = None
     system: "System | None" = None
@@ -91,10 +88,7 @@ class Model:
         """Return each initial state with its variance."""
         if self.system is not None:
             return self.system.pairs
-        places = (self.start, self.start_covariance)
-        return tuple(
-            (self.names[places[0] + i], self.names[places[1] + i]) for i in range(self.states)
-        )
+        return tuple((f"x{i}_0", f"P{i}{i}") for i in range(1, 1 + self.states))
 
     def unit(self, output: str) -> str:
         """Return the unit of an output."""
@@ -256,10 +250,7 @@ MODEL_1: Final = Model(
     ),
     CHANNELS,
     3,
-    1,
     ship_models.model_1,
-    24,
-    27,
 )
 
 MODEL_2: Final = Model(
@@ -281,10 +272,7 @@ MODEL_2: Final = Model(
     ),
     ("sway",),
     3,
-    1,
     ship_models.model_2,
-    17,
-    20,
 )
 
 MODEL_3: Final = Model(
@@ -306,10 +294,7 @@ MODEL_3: Final = Model(
     ),
     ("yaw_rate", "heading"),
     3,
-    1,
     ship_models.model_3,
-    14,
-    17,
 )
 
 NOMOTO_1: Final = Model(
@@ -328,10 +313,7 @@ NOMOTO_1: Final = Model(
     ),
     ("yaw_rate", "heading"),
     2,
-    1,
     ship_models.nomoto_first,
-    7,
-    9,
 )
 
 NOMOTO_2: Final = Model(
@@ -352,12 +334,9 @@ NOMOTO_2: Final = Model(
     ),
     ("yaw_rate", "heading"),
     3,
-    1,
     ship_models.nomoto,
-    10,
-    13,
-    ("K", "T1", "T2", "T3"),
-    rate_coefficients,
+    given=("K", "T1", "T2", "T3"),
+    follow=rate_coefficients,
 )
 
 MODELS: Final = {m.name: m for m in (MODEL_1, MODEL_2, MODEL_3, NOMOTO_1, NOMOTO_2)}

@@ -369,8 +369,8 @@ def model_of(system: System) -> Model:
         system.parameters,
         system.outputs,
         system.states,
-        len(system.inputs),
         system.assemble,
+        inputs=len(system.inputs),
         system=system,
     )
 
