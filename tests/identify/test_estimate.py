@@ -185,7 +185,7 @@ def test_a_variance_near_nothing_is_lifted_where_the_cost_would_fall(start: floa
 
 
 def test_a_search_that_may_not_go_on_has_not_settled_and_says_why(cost: Any) -> None:
-    found = estimate(cost, TANKER.start(), "scoring", Search(2))
+    found = estimate(cost, TANKER.start(), "direct", Search(1))
     assert not found.converged
     assert "promises" in found.doubt or "not all positive" in found.doubt
 
@@ -243,7 +243,7 @@ def test_progress_is_told_and_a_search_resumes_where_it_stopped(
     cost: Any, best: Any, tmp_path: Path
 ) -> None:
     path = tmp_path / "search.json"
-    short = estimate(cost, TANKER.start(), "scoring", Search(3, keep(path, cost.problem)))
+    short = estimate(cost, TANKER.start(), "direct", Search(1, keep(path, cost.problem)))
     assert not short.converged
     assert_allclose(resume(path, cost.problem), short.theta, rtol=1e-15)
 
