@@ -129,7 +129,7 @@ def quantities(plant: Plant, values: Numbers) -> Numbers:
     """
     model = plant.model
     if model.system is not None:
-        return model.system.tell(plant, values)
+        return np.asarray(model.system.tell(plant, values))
     ship_like = nomoto_of(model, values, plant.ship)
     T1, T2 = ship_like.T1, ship_like.T2
     told = [
@@ -153,6 +153,6 @@ def quantities(plant: Plant, values: Numbers) -> Numbers:
 def quantity_units(model: Model) -> dict[str, str]:
     """Return the names of what ``quantities`` returns, and units."""
     if model.system is not None:
-        return model.system.quantities
+        return dict(model.system.quantities)
     derivatives_of = DERIVATIVES if model.name == "1" else ()
     return dict.fromkeys(derivatives_of, "-") | QUANTITIES

@@ -8,7 +8,7 @@ taken by magnitude, correlations and the time lag by sine, so that no number is 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from trainer.core.kernel import Numbers
 from trainer.identify.kernels import ship_models
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.nomoto import rate_coefficients
-
-if TYPE_CHECKING:
-    from trainer.identify.own_systems import System
 
 # output channels, by their place in the kernels
 UNITS: Final = {  # of a channel, and how many of them one SI unit is
@@ -65,7 +62,7 @@ class Model:
     inputs: int = 1
     given: tuple[str, ...] = ()
     follow: Callable[..., tuple[float, ...]] | None = None
-    system: "System | None" = None
+    system: Any = None  # an own_systems.System
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -79,7 +76,7 @@ class Model:
         They are the first state, and the steady forces of wind and residual helm.
         """
         if self.system is not None:
-            return self.system.only_in({"x0"})
+            return tuple(self.system.only_in({"x0"}))
         states = (f"x{i}_0" for i in range(1, 1 + self.states))
         return tuple(name for name in (*states, *STEADY) if name in self.names)
 
@@ -87,14 +84,14 @@ class Model:
     def paired(self) -> tuple[tuple[str, str], ...]:
         """Return each initial state with its variance."""
         if self.system is not None:
-            return self.system.pairs
+            return tuple(self.system.pairs)
         return tuple((f"x{i}_0", f"P{i}{i}") for i in range(1, 1 + self.states))
 
     def unit(self, output: str) -> str:
         """Return the unit of an output."""
         if self.system is None:
             return UNITS[output][0]
-        return self.system.units[self.outputs.index(output)]
+        return str(self.system.units[self.outputs.index(output)])
 
     def place(self, name: str) -> int:
         """Return a parameter's place, by name or as theta1, theta2, ...; ConfigError if none."""
