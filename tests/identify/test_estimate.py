@@ -381,15 +381,13 @@ def test_a_free_variance_that_starts_at_nothing_is_refused(cost: Any) -> None:
         estimate(cost, start, "scoring", Search())
 
 
-def test_a_start_that_is_no_model_and_an_unknown_method_are_refused(cost: Any) -> None:
+def test_a_start_that_is_no_model_is_refused() -> None:
     hopeless = recorded(TANKER, 50)
     values = hopeless.values.copy()
     values[MODELS["1"].place("P12")] = 1.0
     hopeless = Likelihood(replace(hopeless, values=values))
     with pytest.raises(ConfigError, match="start values are no model"):
         estimate(hopeless, TANKER.start(), "scoring", Search())
-    with pytest.raises(ConfigError, match="must be one of scoring, bfgs, direct"):
-        estimate(cost, TANKER.start(), "newton", Search())
 
 
 def test_runs_are_their_seeds_own() -> None:

@@ -10,7 +10,6 @@ from helpers.differences import gradient_and_hessian, refined, relative_steps
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
-from trainer.identify.innovations import chi_square_limits, loss_1, no_limits, run_filter
 from trainer.identify.kernels.prediction import settle
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Samples
@@ -18,7 +17,11 @@ from trainer.identify.prediction_error import (
     Innovations,
     MultiStep,
     _concentrate,
+    chi_square_limits,
+    loss_1,
     no_gain,
+    no_limits,
+    run_filter,
     settled_gain,
 )
 from trainer.identify.validation import deterministic, draw_outputs

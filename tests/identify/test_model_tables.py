@@ -87,11 +87,6 @@ def test_bis_and_prime_describe_one_ship() -> None:
     assert prime.speed / bis.speed == pytest.approx(froude, rel=1e-12)
 
 
-def test_a_system_without_a_name_is_refused() -> None:
-    with pytest.raises(ConfigError, match="must be prime, bis or si"):
-        scale("metric", 100.0, 5.0)
-
-
 @pytest.mark.parametrize("row", vectors("order_tests")["aic"])
 def test_the_reports_criteria_are_reproduced(row: Any) -> None:
     found = aic_of_loss(row["V"], row["N"], row["p"])

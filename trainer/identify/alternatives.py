@@ -1,4 +1,4 @@
-"""Simpler models that a fit is tested against (MI 8.3), and other ships that its record allows.
+"""Simpler models beside a fit (MI 8.3), and other ships that its record allows.
 
 They are drawn from what the record leaves open, and run (MI 8.5). Parameters are drawn from
 N(estimate, covariance), a lever arm by the moment that it makes: of a rudder the record tells force

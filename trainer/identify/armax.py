@@ -213,8 +213,6 @@ def fit_armax(
     factors; the best end is taken. ConfigError if the record is too short or has gaps.
     """
     names = coefficient_names(order, initial=initial)
-    if unknown := [name for name in fixed if name not in names]:
-        raise ConfigError(f"no coefficient {unknown[0]}; there are {', '.join(names)}")
     places = np.array([i for i, name in enumerate(names) if name not in fixed], dtype=np.int64)
     if len(y) < 2 * len(places) + order:
         raise ConfigError(f"{len(y)} samples are too few for {len(places)} coefficients")
@@ -377,15 +375,13 @@ class Orders:
 
 
 def detrend(series: Numbers, treatment: str) -> Numbers:
-    """Return the series less its mean or its straight line; ConfigError for another word."""
+    """Return the series as it is, or less its mean or its straight line."""
     if treatment == "none":
         return series
     if treatment == "mean":
         return np.asarray(series - series.mean())
-    if treatment == "trend":
-        t = np.arange(len(series), dtype=float)
-        return np.asarray(series - np.polyval(np.polyfit(t, series, 1), t))
-    raise ConfigError(f"remove {treatment!r}: must be {' or '.join(TREATMENTS)}")
+    t = np.arange(len(series), dtype=float)
+    return np.asarray(series - np.polyval(np.polyfit(t, series, 1), t))
 
 
 def remove_delay(y: Numbers, u: Numbers, samples: int) -> tuple[Numbers, Numbers]:

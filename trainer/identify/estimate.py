@@ -106,10 +106,8 @@ def estimate(
     """Return the best minimum of ``cost`` from ``theta`` (f,) and from other ``starts``.
 
     Of numbers that mean the same model it has the first, see Problem.folded.
-    ConfigError for an unknown method, or where the cost at ``theta`` is not finite.
+    ConfigError where the cost at ``theta`` is not finite.
     """
-    if method not in MINIMISERS:
-        raise ConfigError(f"minimiser {method!r}: must be one of {', '.join(MINIMISERS)}")
     stretch(cost, theta)  # refuses a variance of nothing
     if not np.isfinite(cost.value(theta)):
         raise ConfigError(
@@ -200,7 +198,7 @@ def _others(cost: Cost, theta: Numbers, starts: Starts) -> Iterator[Numbers]:
 
 
 def keep(path: Path, problem: Problem, heard: Progress = unheard) -> Progress:
-    """Return what writes each step of a search to ``path``, whole or not at all, and tells it."""
+    """Return what keeps each step of a search in ``path``, and tells it."""
 
     def write(found: Found) -> None:
         theta = problem.folded(found.theta) * problem.scale

@@ -14,17 +14,19 @@ from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import quantities, quantity_units
 from trainer.identify.estimate import Starts, estimate, keep, resume
-from trainer.identify.innovations import REASONS, chi_square_limits, run_filter
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Record, check_count, samples_of
 from trainer.identify.minimise import Cost, Found, Search
 from trainer.identify.models import MODELS, Model, Plant, Ship
 from trainer.identify.own_systems import NOISE, System, model_of
 from trainer.identify.prediction_error import (
+    REASONS,
     Innovations,
     MultiStep,
+    chi_square_limits,
     no_gain,
     own_gain,
+    run_filter,
     settled_gain,
 )
 from trainer.identify.problem import Problem, Run, problem_of

@@ -1,4 +1,4 @@
-"""A record of a ship under helm, SI and radians, and as models read it, in knots and degrees.
+"""A record of a ship under helm, as read and as models take it.
 
 The rudder is positive when it turns the ship to port (trailing edge to port), as in the report and
 in the trainer; a source with the other sign says so in the study file.

@@ -17,11 +17,10 @@ from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import nomoto_of
 from trainer.identify.fitting import Fitted
-from trainer.identify.innovations import Shown, no_limits, run_filter
 from trainer.identify.measurements import Record
 from trainer.identify.models import UNITS
 from trainer.identify.nonlinear import Bend, predict
-from trainer.identify.prediction_error import Innovations
+from trainer.identify.prediction_error import Innovations, Shown, no_limits, run_filter
 from trainer.identify.problem import Problem
 from trainer.identify.sources import write_columns
 from trainer.identify.steering import averages, coefficients, limits, rewritten

@@ -17,7 +17,7 @@ LANES: Final = 4  # numbers that a processor takes at a time
 
 
 def aside(theta: Numbers, free: Sequence[int] | None = None) -> Complexes:
-    """Return ``theta`` (n,), and below it a row with a step aside in each place, or in ``free``."""
+    """Return ``theta`` (n,) above rows a step aside, one for each (free) place."""
     places = np.arange(len(theta)) if free is None else np.array(free, int)
     rows = np.tile(theta.astype(complex), (1 + len(places), 1))
     rows[np.arange(1, 1 + len(places)), places] += 1j * STEP

@@ -135,7 +135,7 @@ def read_parts(
     heading: tuple[type[Any], Sequence[str]],
     records: Mapping[str, type[Any]],
 ) -> tuple[dict[str, Any], list[str]]:
-    """Return the heading and the tables of a file, None for one that it lacks, and all faults.
+    """Return heading and tables of a file, None for those lacking, and all faults.
 
     ``heading`` is the record of the keys above all tables, and all keys that there may be.
     """

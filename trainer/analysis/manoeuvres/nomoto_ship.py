@@ -1,4 +1,4 @@
-"""A ship in a few numbers as a vehicle for manoeuvres: a Nomoto file under helm.
+"""A Nomoto ship under helm: a vehicle for manoeuvres in a few numbers.
 
 Section 12.3 of the model identification, without differentiating the rudder:
 r' = (z - (T1 + T2) r + K T3 delta)/(T1 T2), z' = K delta - K H(r), by kappa

@@ -1,4 +1,4 @@
-"""The filter and other predictors shown sample by sample, and the gain of a settled filter.
+"""Filters and predictors shown sample by sample; the gain of a settled filter.
 
 Model document, 6.2, 6.4 and 6.5. Arrays may be complex: an imaginary step of 1e-100 in one
 parameter carries its exact derivative into all that is shown.

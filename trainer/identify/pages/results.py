@@ -14,7 +14,6 @@ from trainer.core.kernel import Numbers
 from trainer.identify.alternatives import PAIRED, Allowed, Rival, draw_allowed, rivals_of
 from trainer.identify.derived import DERIVATIVES, quantity_units
 from trainer.identify.fitting import Fitted, fit, settings, simulate, table_of
-from trainer.identify.innovations import Shown, loss_1
 from trainer.identify.measurements import Record
 from trainer.identify.minimise import Found
 from trainer.identify.nonlinear import Bend
@@ -28,7 +27,7 @@ from trainer.identify.outcome import (
     sizes_of,
     terms_of,
 )
-from trainer.identify.prediction_error import MultiStep
+from trainer.identify.prediction_error import MultiStep, Shown, loss_1
 from trainer.identify.problem import Problem
 from trainer.identify.residuals import Residuals, aic_of_likelihood, examine_residuals, verdicts
 from trainer.identify.study import Observed, Study, observe, studies_of
