@@ -10,7 +10,7 @@ from helpers.differences import gradient_and_hessian, refined, relative_steps
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
-from trainer.identify.kernels.prediction import settle
+from trainer.identify.kernels.covariance_filter import settle
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Samples
 from trainer.identify.prediction_error import (

@@ -60,6 +60,11 @@ class Armax:
         """Return the zeros of z^n B."""
         return roots_of(self.b)
 
+    def value(self, name: str) -> float:
+        """Return a coefficient by its name, a1 or another."""
+        found: float = getattr(self, name[0])[int(name[1:]) - 1]
+        return found
+
     def residuals(self, y: Numbers, u: Numbers) -> Numbers:
         """Return the one-step errors eps (N,) of output y and input u, both (N,)."""
         left = filtered((1.0, *self.a), (1.0,), y) - filtered((0.0, *self.b), (1.0,), u)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
+from trainer.identify.kernels.covariance_filter import COUNTED, run_predictor, settle, show
 from trainer.identify.kernels.kernel import Entries
-from trainer.identify.kernels.prediction import COUNTED, run_predictor, settle, show
 from trainer.identify.kernels.sampling import Complexes
 from trainer.identify.likelihood import LOG_2_PI, Likelihood, possible
 from trainer.identify.measurements import Samples

@@ -9,7 +9,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import nomoto_of
 from trainer.identify.fitting import Fitted
-from trainer.identify.kernels.prediction import run_predictor
+from trainer.identify.kernels.covariance_filter import run_predictor
 from trainer.identify.likelihood import possible
 from trainer.identify.measurements import Record, Samples, samples_of
 from trainer.identify.nonlinear import (
