@@ -138,9 +138,13 @@ def move(J: Entries, v: Entries, error: Entries, z: Entries) -> None:
 @part
 def advance(J: Entries, v: Entries, error: Entries, z: Entries, P: Entries) -> None:
     """Write the next state to ``z`` and its covariance to ``P`` from the swept ``J``."""
-    move(J, v, error, z)
-    for i in range(P.shape[0]):
-        for j in range(P.shape[0]):
+    states = P.shape[0]
+    for i in range(states):
+        total = v[i]
+        for c in range(error.size):
+            total += J[i, states + c] * error[c]
+        z[i] = total
+        for j in range(states):
             P[i, j] = J[i, j]
 
 
