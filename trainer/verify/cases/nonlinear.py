@@ -65,7 +65,7 @@ def bent_hull() -> Iterator[Figure]:
         rudder, readings = zig_zag(problem, angle)
         samples = Samples(problem.samples.t, readings, rudder[:, None])
         fit = estimate(
-            Innovations(problem.on(samples), no_gain), problem.start, "auto", Search(300)
+            Innovations(problem.on(samples), no_gain), problem.start, "scoring", Search(300)
         )
         found[angle] = float(fit.theta[problem.names.index("N_v")]) / true
     yield Figure("S10", "N_v by 10/10, of the true", 0.0, found[10.0], 0.95)
