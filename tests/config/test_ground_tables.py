@@ -382,3 +382,24 @@ def test_an_exercise_has_its_grid_from_beside_it(asc: Path) -> None:
     drill = exercise(asc, 'grid = "canyon.asc"\nvalues = "depth"')
     bottom = parse_exercise(drill.read_text(), drill).world["bottom"]
     assert bottom.depth.values[1].tolist() == [10.0, 20.0]
+
+
+SHIP = '[[contact]]\nname = "{name}"\ntype = "tanker"\nspeed_kn = 10\npoints = {points}\n'
+
+
+def test_a_ship_whose_way_has_too_little_water_is_named_with_the_place(asc: Path) -> None:
+    slope = "depth_m = 60\nslope_percent = 1\ndeepens_deg = 180\n"  # shoals going north
+    ships = SHIP.format(name="off", points="[[0, 900], [4600, 900]]")
+    ships += SHIP.format(name="on", points="[[0, 1500], [5000, 1500]]")
+    drill = exercise(asc, slope + ships, "[initial]\ndepth_m = 20")
+    with pytest.raises(ConfigError) as error:
+        parse_exercise(drill.read_text(), drill)
+    assert "[contact[1]] points: 13.0 m of water at [4700, 1500]" in str(error.value)
+    assert "a tanker draws 11 m, so 13.2 m at least" in str(error.value)
+    assert "contact[0]" not in str(error.value)
+
+
+def test_beyond_the_end_of_a_chart_no_ship_is_aground(asc: Path) -> None:
+    ships = SHIP.format(name="far", points="[[9000, -9000], [9500, -9500]]")
+    drill = exercise(asc, f'grid = "canyon.asc"\nvalues = "depth"\n{ships}')
+    assert parse_exercise(drill.read_text(), drill).world["contact"]

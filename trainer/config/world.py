@@ -1,12 +1,17 @@
 """The world around the boat in an exercise. Each of its tables has its own reader."""
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.bottom import BottomTable, read_bottom
+import numpy as np
+
+from trainer.config.bottom import Bottom, BottomTable, depths_at, is_charted, read_bottom
 from trainer.config.contacts import (
     CONTACT_RECORDS,
+    Contact,
     contacts_schema,
     encounters_schema,
     read_contacts,
@@ -34,6 +39,8 @@ WORLD_RECORDS: Final[Mapping[str, type[Any]]] = {
     **CONTACT_RECORDS,
     "bottom": BottomTable,
 }  # for their keys
+WATER: Final = 1.2  # [-] of its draught that a ship's way needs under it
+APART: Final = 20.0  # [m] between the places of a way that are sounded
 WorldTables = Mapping[str, Any]  # records, by the names of their tables
 
 
@@ -45,6 +52,33 @@ def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
         with collecting(problems):
             if name in table:
                 found[name] = read(table[name], Place(path.name, name), path)
+    if "bottom" in found:
+        problems += filter(
+            None, (_aground(found["bottom"], ship) for ship in found.get("contact", ()))
+        )
     if problems:
         raise ConfigError(*problems)
     return found
+
+
+def _aground(bottom: Bottom, ship: Contact) -> str:
+    """Return where a ship's way has too little water, "" if nowhere."""
+    least = WATER * ship.type.draught
+    for north, east in _places(ship):
+        depth = float(depths_at(bottom, np.array([north]), np.array([east]))[0])
+        if depth < least and is_charted(bottom, north, east):
+            told = f"{depth:.1f} m of water at [{north:.0f}, {east:.0f}]"
+            draws = f"a {ship.row.type} draws {ship.type.draught:g} m"
+            return ship.place.problem(f"points: {told}: {draws}, so {least:.1f} m at least")
+    return ""
+
+
+def _places(ship: Contact) -> Iterator[tuple[float, float]]:
+    """Yield the places [m] from way point to way point, one every APART."""
+    points = ship.row.points
+    for (north, east), (north_then, east_then) in pairwise(points):
+        count = math.ceil(math.hypot(north_then - north, east_then - east) / APART)
+        for i in range(count):
+            share = i / count
+            yield north + share * (north_then - north), east + share * (east_then - east)
+    yield points[-1]
