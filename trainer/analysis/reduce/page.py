@@ -5,8 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from trainer import __version__
-from trainer.analysis.guide.dropped_terms import Drop
-from trainer.analysis.guide.verdicts import account
+from trainer.analysis.guide.verdicts import Drop, account
 from trainer.analysis.reduce.reduction import Reduction
 from trainer.analysis.reduce.search import Need
 from trainer.analysis.reduce.verdict import PARTS, Checked

@@ -12,8 +12,8 @@ from typing import Any, Final
 import numpy as np
 
 from trainer import __version__
-from trainer.analysis.guide.dropped_terms import Drop
 from trainer.analysis.guide.programme import Leg
+from trainer.analysis.guide.verdicts import Drop
 from trainer.analysis.reduce.objective import (
     ADDED_MASSES,
     CONTROLS,
