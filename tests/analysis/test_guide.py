@@ -30,7 +30,7 @@ from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT, Measure, share
 from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
-from trainer.analysis.report.pdf import find_browser
+from trainer.analysis.report.html import find_browser
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method
 from trainer.cli.guide import guide, manoeuvre

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from helpers.crewed import Crewed
 
-from trainer.analysis.debrief.groundings import groundings
+from trainer.analysis.debrief.episodes import groundings
 from trainer.analysis.debrief.judgement import judge, plain_marks
 from trainer.analysis.rehearsal import Rehearsal, fly
 from trainer.boat.ballast_orders import put_out_of_trim

@@ -301,7 +301,7 @@ def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
     """Write the page and print it, where asked for; ConfigError if that cannot be."""
     import tempfile  # noqa: PLC0415
 
-    from trainer.analysis.report.pdf import print_pdf  # noqa: PLC0415
+    from trainer.analysis.report.html import print_pdf  # noqa: PLC0415
     from trainer.config.files import ConfigError  # noqa: PLC0415
     from trainer.io.atomic_write import write_whole  # noqa: PLC0415
 

@@ -156,11 +156,11 @@ def baseline(file: str, seeds: int) -> None:
     FILE is a path, or the name of a shipped exercise. The debrief takes from each task what it
     gives with nobody aboard. What is kept is drill.baseline.toml, beside drill.toml.
     """
-    from trainer.analysis import baseline as baseline_module  # noqa: PLC0415
+    from trainer.analysis import exercise_page  # noqa: PLC0415
 
-    found = baseline_module.study(file, seeds)
-    click.echo("\n".join(baseline_module.table(found)))
-    click.echo(f"kept in {baseline_module.keep(found)}")
+    found = exercise_page.study(file, seeds)
+    click.echo("\n".join(exercise_page.table(found)))
+    click.echo(f"kept in {exercise_page.keep(found)}")
 
 
 @click.command()

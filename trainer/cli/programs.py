@@ -54,12 +54,11 @@ def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: 
     With --depth the force and moment of a calm surface act, by the vessel's [free_surface].
     """
     from trainer.analysis import neutral as program  # noqa: PLC0415
-    from trainer.analysis import neutral_page as page  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
     report = program.neutral(file, speeds_of(file, speeds), depth)
-    show(report, page.render, lambda: page.panels(file, report), how)
+    show(report, program.render, lambda: program.panels(file, report), how)
 
 
 @click.command()
@@ -87,7 +86,6 @@ def thrust(vessel: str, speeds: tuple[float, ...], commands: tuple[float, ...], 
     \b
     Example:  trainer thrust bb2 --speed 0 --speed 10 --command 15 --command -5
     """
-    from trainer.analysis import thrust as page  # noqa: PLC0415
     from trainer.analysis import thrust as program  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
@@ -95,7 +93,7 @@ def thrust(vessel: str, speeds: tuple[float, ...], commands: tuple[float, ...], 
     ahead = speeds or (0.0, *speeds_of(file, ()))
     ordered = tuple(dict.fromkeys(commands)) or program.command_speeds(file)
     report = program.survey(file, ahead, ordered)
-    show(report, page.render, lambda: page.panels(file, report), how)
+    show(report, program.render, lambda: program.panels(file, report), how)
 
 
 class Fill(click.ParamType[tuple[str, float]]):
@@ -129,7 +127,6 @@ def tanks(vessel: str, fills: tuple[tuple[str, float], ...], **how: Any) -> None
     \b
     Example:  trainer tanks bb2 --fill auxiliary=1 --plot polygon.svg
     """
-    from trainer.analysis import tanks as page  # noqa: PLC0415
     from trainer.analysis import tanks as program  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
@@ -138,7 +135,7 @@ def tanks(vessel: str, fills: tuple[tuple[str, float], ...], **how: Any) -> None
     if twice:
         raise click.UsageError(f"--fill {twice[0]} is given twice")
     report = program.fillings(load_vessel(vessel), dict(fills))
-    show(report, page.render, lambda: page.panels(report), how)
+    show(report, program.render, lambda: program.panels(report), how)
 
 
 MEANS: Final = [
@@ -175,14 +172,13 @@ def modes(vessel: str, speeds: tuple[float, ...], depth: float | None, **options
 
     With --depth the vertical plane feels how the force of a calm surface changes with depth.
     """
-    from trainer.analysis import characteristic as page  # noqa: PLC0415
     from trainer.analysis import characteristic as program  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
     means = program.Means(**{name: options[f"mean_{name}"] for name in program.Means._fields})
     report = program.characteristic(file, speeds_of(file, speeds), means, depth)
-    show(report, page.render, lambda: page.panels(report), options)
+    show(report, program.render, lambda: program.panels(report), options)
 
 
 PROGRAMS: Final = [neutral, thrust, tanks, modes, compare, fit]

@@ -251,7 +251,7 @@ def resume(file: Path, *, anyway: bool, teletype: bool, **options: Any) -> None:
     options["frozen"] = options["frozen"] or not options["headless"]
 
     def go_on(chosen: RunOptions) -> NoReturn:
-        from trainer.session.resume import resume_boat  # noqa: PLC0415
+        from trainer.session.replay import resume_boat  # noqa: PLC0415
 
         sys.exit(resume_boat(file, chosen, debriefing(), anyway=anyway))
 

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from markupsafe import Markup
 
-from trainer.analysis import characteristic, neutral_page, thrust
+from trainer.analysis import characteristic, neutral, thrust
 from trainer.analysis.guide.contents import REDUCED, Guide, GuideContents, Moved, Sheet, tally
 from trainer.analysis.guide.programme import SETS, Leg
 from trainer.analysis.guide.summary import format_entry, word
@@ -238,8 +238,8 @@ def programs(book: GuideContents) -> Markup:
     for name, text, drawn in (
         (
             "Neutral angles and critical speeds (EC470)",
-            neutral_page.render(guide.neutral),
-            neutral_page.panels(book.file, guide.neutral),
+            neutral.render(guide.neutral),
+            neutral.panels(book.file, guide.neutral),
         ),
         (
             "Modes (EC140, EC200, EC320)",
