@@ -1,4 +1,4 @@
-"""Planes for straight level flight, and the speed at which they reverse: program EC470, its page.
+"""Planes for straight level flight, and the speed at which they reverse: program EC470.
 
 [ASSES] EC470 with errata F1-F4: pitch equals the angle of attack, q = 0, weight equals buoyancy,
 x_G = 0, one pair of planes deflected and the other at zero. With t = w/u, h = t/sqrt(1 + t^2) and

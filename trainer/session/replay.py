@@ -1,4 +1,4 @@
-"""A recording is flown again, to the same bits, or goes on from its last order.
+"""A recording is flown again to the same bits, or its run goes on.
 
 Its orders are given at their ticks, its states compared bit by bit.
 """

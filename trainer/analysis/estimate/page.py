@@ -1,4 +1,4 @@
-"""An estimated boat told: as text for the terminal, and as one HTML page with the hull drawn."""
+"""An estimated boat as text for the terminal, and as one drawn page."""
 
 import math
 from collections.abc import Iterator

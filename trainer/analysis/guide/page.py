@@ -1,4 +1,4 @@
-"""The guide as one HTML page that needs nothing else: a function a chapter, and its JSON."""
+"""The guide as one HTML page that needs nothing else, a function a chapter."""
 
 from collections.abc import Iterator
 from dataclasses import asdict

@@ -1,4 +1,4 @@
-"""How far the flights of a candidate set are from those of the full set, over many processes."""
+"""How far the flights of a candidate set are from the full set's."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A boat's compact set, from a search or from its file, and its worth; a search kept for later."""
+"""A boat's compact set, from a search or from its file, and its worth."""
 
 import contextlib
 import hashlib

@@ -1,4 +1,4 @@
-"""The job for whoever flies members: the study, its batches and outputs, every file it reads."""
+"""The job for whoever flies members: a study with its batches, outputs and files."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""The results of a sweep: finished batches as Parquet in a folder, then one file of all."""
+"""The results of a sweep: batches as Parquet in a folder, then one file."""
 
 import json
 import os

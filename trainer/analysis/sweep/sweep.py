@@ -1,4 +1,4 @@
-"""A study is carried out by workers: this process, others, or those of a Dask cluster.
+"""A study is carried out by this process, others, or those of a Dask cluster.
 
 What is missing is flown, each chunk is kept, and one result is joined.
 """

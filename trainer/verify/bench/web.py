@@ -24,8 +24,8 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.io.orders.sentences import order_sentence
 from trainer.session.time.ledger import Spread
-from trainer.verify.bench.contention import ENDED, count_missed, entry, lateness_of
 from trainer.verify.bench.end_to_end import TRAINER
+from trainer.verify.bench.on_time import ENDED, count_missed, entry, lateness_of
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

@@ -33,8 +33,7 @@ from trainer.identify.ships.vehicle import IdentifiedShip
 from trainer.identify.sources import Column, load_record
 from trainer.identify.study import load_study
 from trainer.identify.system_files import load_system
-from trainer.verify.fuzz.lines import GRAMMAR
-from trainer.verify.fuzz.target import (
+from trainer.verify.fuzz.fuzz import (
     TABLE,
     Target,
     only,
@@ -44,6 +43,7 @@ from trainer.verify.fuzz.target import (
     text_of,
     write_file,
 )
+from trainer.verify.fuzz.lines import GRAMMAR
 
 CONDITIONS: Final = (
     "depth > 100",

@@ -28,7 +28,7 @@ from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import Pace, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
-from trainer.verify.fuzz.target import Target, text_of
+from trainer.verify.fuzz.fuzz import Target, text_of
 
 TOKEN: Final = "proving-1969"  # noqa: S105  a word of the proof
 ENOUGH: Final = 64  # [lines] of one input
