@@ -2,6 +2,9 @@
 
 A check flies the exercise with nobody aboard and with its reference crew, and tells what a run
 would refuse.
+
+What a baseline gives is kept beside the exercise, with digests of its text and of the core. The
+standard deviation over the seeds says how much of a mark is the sea's.
 """
 
 import json

@@ -11,8 +11,7 @@ import click
 
 from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, json_of, outputs, show
-from trainer.cli.options import options_given
-from trainer.cli.shared_options import CSV, HTML, PDF, SEA, VESSEL, together
+from trainer.cli.options import CSV, HTML, PDF, SEA, VESSEL, options_given, together
 from trainer.cli.types import File, Word
 from trainer.config.method import EQUATIONS
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from trainer.cli.options import run_options, without_console
-from trainer.cli.shared_options import (
+from trainer.cli.options import (
     EXERCISE,
     RECORDING,
     connect_options,
@@ -21,11 +20,13 @@ from trainer.cli.shared_options import (
     port_options,
     recording_options,
     rerun_options,
+    run_options,
     teletype_option,
     time_options,
     trainee_options,
     web_run_options,
     web_serve_options,
+    without_console,
 )
 from trainer.cli.web import require_pages
 from trainer.config.files import ConfigError

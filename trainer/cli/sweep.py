@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from trainer.cli.answers import json_of, outputs, show
-from trainer.cli.shared_options import STUDY
+from trainer.cli.options import STUDY
 from trainer.cli.types import File
 
 

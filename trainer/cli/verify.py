@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from trainer.cli.shared_options import FILE, RECORDING, VESSEL, VESSEL_HELP
+from trainer.cli.options import FILE, RECORDING, VESSEL, VESSEL_HELP
 
 
 @click.command()

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from trainer.cli.answers import Number, json_of, outputs, show
-from trainer.cli.shared_options import SEA, TOML, VESSEL, VESSEL_HELP, method_options
+from trainer.cli.options import SEA, TOML, VESSEL, VESSEL_HELP, method_options
 from trainer.cli.types import Commands
 
 

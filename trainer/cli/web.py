@@ -5,7 +5,7 @@ from typing import Final
 
 import click
 
-from trainer.cli.shared_options import WEB, certificate_options, connect_option
+from trainer.cli.options import WEB, certificate_options, connect_option
 from trainer.config.extras import require_library
 
 PAGES_NEED: Final = ("starlette", "uvicorn", "websockets", "segno")  # libraries of the extra

@@ -2,6 +2,9 @@
 
 Each finding is taken as it is in the model document; where it does not hold here, the figures of
 this hull say why.
+
+The manoeuvres of the step-size study have no events, which a step would delay, and controls act at
+once.
 """
 
 from collections.abc import Iterator

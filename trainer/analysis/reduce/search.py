@@ -4,6 +4,10 @@ A round takes the slopes of all differences by all factors and drops, with those
 the factors of the rest fitted anew each time; a term whose loss cannot be made up for is needed.
 Nothing in it is random, and a round depends on nothing but the standing it begins with: a search
 broken off and gone on with ends in the same bits.
+
+Factors are fitted by Gauss and Newton: the sum of |difference|^p is brought down for growing p, by
+weights |difference|^(p - 2) on a linear least-squares problem; a leash pulls every factor towards
+1, so that a coefficient is what the hull's data say unless the flights ask otherwise.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,4 +1,9 @@
-"""A study from its file: the common part, the differences, the outputs."""
+"""A study from its file: the common part, the differences, the outputs.
+
+A key of what is varied is a path: words with dots between, ``vessel.fluid.rho``, and places in
+lists in brackets, ``exercise.orders[2].at_s``. The vessel's coefficients stand there all of them,
+by name, and of its compensation the factors of all that the compact set keeps.
+"""
 
 import re
 from collections.abc import Callable, Mapping

@@ -3,6 +3,9 @@
 Handing over is an append. Where time runs as fast as it can and the outlet does not keep up the
 tick waits, so that nothing is lost; where time is kept it never does, and what there is no room for
 is counted.
+
+A run may be wound back, so that its ticks do; the time in the viewer goes on all the same. The time
+of a tick's work is known only after its state has been handed over: it comes with the next.
 """
 
 import math

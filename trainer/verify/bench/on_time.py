@@ -3,6 +3,9 @@
 A loop of 100 Hz is timed in a process of its own: alone, beside a busy thread of the same process,
 and beside busy processes, with and without a real-time priority. Beside the latter runs the same
 loop in C, where there is a compiler, to tell what is the machine's own doing.
+
+The crowd: processes that do nothing but compute, one for each processor; a console on a terminal; a
+file for Rerun, where its library is; a serial line whose other end is not read.
 """
 
 import contextlib
