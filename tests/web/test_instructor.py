@@ -60,13 +60,14 @@ def drag(page: Page, seconds: float, upon: str = "time-line .track") -> None:
 
 
 def fly(caller: Caller, seconds: float, pace: str = "max") -> float:
-    """Sail fast for so long, then freeze; return the time [s] there."""
-    begun = seconds_of(caller)
+    """Sail fast for so long, then stand still; return the time [s] there."""
+    end = seconds_of(caller) + seconds
     assert caller.ask(f"time {pace}")[0]
-    assert caller.ask("run")[0]
-    while seconds_of(caller) < begun + seconds:
-        time.sleep(0.02)
-    assert caller.ask("freeze")[0]
+    while (left := end - (now := seconds_of(caller))) > 0.0:
+        steps = min(left, 500.0)
+        assert caller.ask(f"step {steps / 0.5:.0f}")[0]
+        while seconds_of(caller) < now + steps:
+            time.sleep(0.02)
     assert caller.ask("time 1")[0]
     return seconds_of(caller)
 
