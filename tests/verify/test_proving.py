@@ -25,9 +25,8 @@ from trainer.verify.faults.rig import Bench, ForkServer, Tried
 from trainer.verify.fuzz.catalogue import TARGETS, choose_targets, corpus
 from trainer.verify.fuzz.fuzz import Target, dictionary
 from trainer.verify.soak.audit import Answered, check_journal, complete
-from trainer.verify.soak.clock_check import WatchedClock
 from trainer.verify.soak.operators import Orders, Watchbill, instruct
-from trainer.verify.soak.session_process import Caller, GoneError
+from trainer.verify.soak.session_process import Caller, GoneError, WatchedClock
 from trainer.verify.soak.soak import Plan, Sample, flat, page, soak
 
 if TYPE_CHECKING:

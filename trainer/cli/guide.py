@@ -13,7 +13,7 @@ from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, json_of, outputs, show
 from trainer.cli.options import CSV, HTML, PDF, SEA, VESSEL, options_given, together
 from trainer.cli.types import File, Word
-from trainer.config.method import EQUATIONS
+from trainer.config.words import EQUATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -19,7 +19,6 @@ from trainer.cli import (
     sweep,
     verify,
     vessel,
-    web,
 )
 from trainer.cli.types import Commands
 from trainer.config.files import ConfigError
@@ -63,7 +62,7 @@ def cli() -> None:
 
 
 SECTIONS: Final = {
-    "Train": (run.run, run.serve, run.attach, run.station, web.web),
+    "Train": (run.run, run.serve, run.attach, run.station, run.web),
     "Exercises": (
         listings.exercises,
         listings.exercise,

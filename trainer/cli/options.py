@@ -8,7 +8,7 @@ import click
 from click.core import ParameterSource
 
 from trainer.cli.types import Duration, File, Name, Speed
-from trainer.config.method import EQUATIONS
+from trainer.config.words import EQUATIONS
 from trainer.io.paths import HOST, PAGES, PORT
 from trainer.session.options import RunOptions
 

@@ -10,7 +10,7 @@ from trainer.cli.answers import PLOT
 from trainer.cli.export import page_text
 from trainer.cli.options import CSV, HTML, PDF, RECORDING, RRD, VESSEL, VESSEL_HELP, WIDTHS
 from trainer.cli.types import Duration, File
-from trainer.config.method import EQUATIONS
+from trainer.config.words import EQUATIONS
 
 
 @click.command()

@@ -5,8 +5,6 @@ from typing import Any, Final
 
 from trainer.analysis.manoeuvres.flight import CHOICES
 from trainer.config.files import ConfigError, Place
-from trainer.config.identification import CHANNELS, MODELS
-from trainer.config.method import EQUATIONS, TRIGONOMETRY
 from trainer.config.schema import (
     Choice,
     Quantity,
@@ -19,6 +17,7 @@ from trainer.config.schema import (
     tables_of,
     within,
 )
+from trainer.config.words import CHANNELS, EQUATIONS, MODELS, TRIGONOMETRY
 
 MOST_MEMBERS: Final = 10_000_000
 MOST_VALUES: Final = 10_000

@@ -41,9 +41,9 @@ from trainer.config.files import (
     quote,
     read_text,
 )
-from trainer.config.identification import SHIP
 from trainer.config.schema import described, file_schema, object_schema, read_record, record_schema
 from trainer.config.vessel import VesselFile, load_vessel, with_defaults
+from trainer.config.words import SHIP
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.core.terms import COEFFICIENTS
 

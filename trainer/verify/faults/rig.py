@@ -23,7 +23,7 @@ from trainer.verify.soak.session_process import Caller, GoneError
 
 PROGRAM: Final = """
 from trainer.cli.main import main
-from trainer.verify.faults.fork_server import open_for
+from trainer.verify.faults.rig import open_for
 open_for(main)
 """
 LIMITS: Final = {
