@@ -101,7 +101,7 @@ class Crewed:
         ]
         self.conduct.ending = Ending.of(self.boat, losses, seconds)
         self.conduct.kept, self.conduct.scored = path, True
-        self.conduct.clock = lambda: self.now
+        self.conduct.clock = self.conduct.command.clock = lambda: self.now
         self.judged = threading.Event()
         self.conduct.debriefing = Debriefing(self._judge, self._write)
         self.instructor = self.comes("instructor")
