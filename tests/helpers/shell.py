@@ -47,3 +47,19 @@ def ran(line: str, folder: Path) -> Done:
     if "serve" in line:
         line = f"{line} --duration 1 --listen 127.0.0.1:0"
     return typed(line, folder, "status\nquit\n")
+
+
+HEAVY = ("numba", "numpy", "textual", "trainer.core", "trainer.boat")
+
+
+def imported(words: tuple[str, ...], folder: Path | None = None, **more: str) -> set[str]:
+    """Return the names of all modules that a command imports."""
+    loaded = subprocess.run(
+        [sys.executable, "-X", "importtime", "-m", "trainer", *words],
+        cwd=folder,
+        env=environment(**more),
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stderr
+    return {line.rpartition("|")[2].strip() for line in loaded.splitlines()}

@@ -1,4 +1,4 @@
-"""The values and fields of NMEA 0183 sentences at one tick, in the sentences' own units.
+"""The values and fields of NMEA 0183 sentences at one tick, in their units.
 
 Depth, heading and speed through the water are read off the gauges, as wrong as these are. Position,
 track and speed over the ground are the navigation system's, which has no casualty; nor have rate

@@ -27,7 +27,7 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.io.recording.recording import Recording
 from trainer.session.time.ledger import Histogram, Spread
-from trainer.verify.bench.end_to_end import TRAINER, Line, line
+from trainer.verify.bench.end_to_end import TRAINER, Line, begin_session, line
 
 BUSY: Final = (sys.executable, "-c", "while True: pass")
 ENDED: Final = 60.0  # [s] for a process to end, beyond the time it was given
@@ -84,13 +84,7 @@ def run_attended(words: list[str], folder: Path, hung: Line, seconds: float) -> 
     """Return the account of a session that a console attends, and a line that hangs."""
     for wish in WISHES:
         hung.say(wish)  # and nothing that it brings is ever read
-    with subprocess.Popen(  # noqa: S603  our own program
-        [*TRAINER, "serve", *words],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as session:
+    with begin_session(words) as session:
         try:
             await_listening(session)
             with console(folder / "s"):
