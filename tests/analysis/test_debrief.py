@@ -34,7 +34,7 @@ from trainer.analysis.report.svg import Ground, clock, step_of, thin, ticks
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, remembering, shipped
-from trainer.config.measures import MEASURES
+from trainer.config.score_rules import MEASURES
 from trainer.config.vessel import load_vessel
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import NoFile
@@ -43,7 +43,7 @@ from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.session import Session
-from trainer.session.stations.access import Access
+from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import StateReader

@@ -15,7 +15,7 @@ from trainer.io.lines import Overlong
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.sentences import Heard, hear, order_sentence, read
 from trainer.io.server import Server
-from trainer.session.stations.access import Access
+from trainer.session.stations.roles import Access
 from trainer.session.stations.station import ORDERS_A_SECOND, ORDERS_AT_ONCE, News, Station
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import Pace, StateReader

@@ -141,7 +141,7 @@ def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
     def serve_at(where: str) -> NoReturn:
         begin(replace(without_console(chosen), socket=where, until_left=True))
 
-    from trainer.session.stations.access import ANY, read_tokens  # noqa: PLC0415
+    from trainer.session.stations.roles import ANY, read_tokens  # noqa: PLC0415
 
     tokens = read_tokens(chosen.token)
     token = tokens.get("instructor", tokens.get(ANY))

@@ -28,8 +28,7 @@ from trainer.boat.world.scope import Mast, Periscope, periscope_of
 from trainer.config.bottom import Bottom
 from trainer.config.casualties import Casualty
 from trainer.config.files import ConfigError
-from trainer.config.measures import COURSE
-from trainer.config.score_rules import INSTRUCTING
+from trainer.config.score_rules import COURSE, INSTRUCTING
 from trainer.core.casualties import KINDS
 from trainer.core.kernel import Numbers
 from trainer.core.surfaces import SURFACES

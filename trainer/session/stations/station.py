@@ -17,10 +17,18 @@ from trainer.io.orders import sentences
 from trainer.io.orders.grammar import BadOrder, Order, Refused, Reply, to_the_crew
 from trainer.io.orders.help import help_text
 from trainer.io.orders.sentences import Heard, hear
-from trainer.session.stations.access import GUESSES, Access
 from trainer.session.stations.channels import EVENTS, TELETYPE
 from trainer.session.stations.display import WIDTH
-from trainer.session.stations.roles import COMMON, INSTRUCTOR, ROLES, Role, hears, refusal
+from trainer.session.stations.roles import (
+    COMMON,
+    GUESSES,
+    INSTRUCTOR,
+    ROLES,
+    Access,
+    Role,
+    hears,
+    refusal,
+)
 from trainer.session.stations.subscriptions import Sending, Subscriptions, unknown, why_barred
 
 ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait

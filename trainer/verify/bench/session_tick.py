@@ -26,7 +26,7 @@ from trainer.io.server import Server
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
 from trainer.session.history import History
 from trainer.session.session import Session
-from trainer.session.stations.access import Access
+from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Publisher, Roster
 from trainer.session.stations.view import StateReader

@@ -22,7 +22,7 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import parse_schedule
 from trainer.io.orders.table import BOAT_ORDERS, FORMS
 from trainer.session.nmea.orders import Command, NmeaLine, meaning
-from trainer.session.stations.access import Access
+from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import Pace, StateReader
