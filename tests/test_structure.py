@@ -41,7 +41,7 @@ MOST = {  # modules, in the rooms that were made fewer
     "session": 50,
     "console": 25,
     "web": 7,
-    "analysis": 81,
+    "analysis": 82,
     "verify": 38,
     "cli": 20,
 }
