@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from helpers import report_1969, report_1974
 from helpers.report_1969 import ABSENT, NEVER, Row, rows_of
-from helpers.shell import ran
+from helpers.shell import ran, understand
 
 ROOT = Path(__file__).parent.parent
 PAGES = [*sorted(ROOT.glob("docs/*.md")), ROOT / "README.md"]
@@ -51,7 +51,10 @@ def cases(page: Path) -> list[str]:
 
 FIRST_PAGES = {line: page for page in reversed(PAGES) for line in cases(page)}
 # what takes minutes, and has tests of its own
-SLOW = re.compile(r"bench --(footprint|against-c)|--selftest|sweep (overshoots|centre-of-gravity)")
+SLOW = re.compile(
+    r"bench --(footprint|against-c|seconds 2)|--selftest|sweep (overshoots|centre-of-gravity)"
+    r"|guide bb2 --html|estimate small-boat|export-core core"
+)
 CASES = [
     pytest.param(
         line,
@@ -65,6 +68,13 @@ CASES = [
 
 def test_there_are_commands_to_run() -> None:
     assert len(CASES) > 8
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_what_a_page_types_are_commands_and_options_that_there_are(page: Path) -> None:
+    for line in commands(page):
+        if "trainer" in line and not re.search(r"[$`]|pip install", line):
+            understand(line)
 
 
 @pytest.mark.parametrize("line", CASES)

@@ -12,7 +12,7 @@ import click
 import pytest
 from helpers.decca_run import write_run
 from helpers.places import ROOT
-from helpers.shell import FILES, Done, shell_environment, typed
+from helpers.shell import FILES, Done, shell_environment, typed, understand
 
 from trainer.analysis.report.html import find_browser
 from trainer.cli.main import cli
@@ -101,10 +101,14 @@ FIRST = {  # what is typed before
 }
 PATIENCE = 5.0  # [s] from one Ctrl-C to the next
 LACKING = re.compile(r"^trainer: .* needs \w+: pip install '.*'$", re.MULTILINE)
-SLOW = {  # [command] that takes minutes, as its subject is
+SLOW = {  # [command] that flies a boat or fits a ship first; each has tests of its own
     *("trainer exercise baseline", "trainer guide", "trainer reduce", "trainer sweep"),
     *("trainer identify", "trainer prbs", "trainer soak", "trainer fuzz", "trainer bench"),
-    "trainer export-core",
+    *("trainer export-core", "trainer export-page", "trainer export", "trainer instruments"),
+    *("trainer debrief", "trainer manoeuvre", "trainer estimate", "trainer identify new"),
+    *("trainer sea", "trainer check", "trainer resume", "trainer neutral", "trainer recordings"),
+    *("trainer replay", "trainer compare", "trainer gains", "trainer exercise check"),
+    *("trainer steering", "trainer fit"),
 }
 STUDY = """schema = "identify/1"
 name = "A trial"
@@ -144,6 +148,18 @@ def test_a_help_page_shows_an_example(page: str) -> None:
 
     assert lines
     assert any(line.startswith(page) or f"| {page}" in line for line in lines)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_what_an_example_types_are_commands_and_options_that_there_are(page: str) -> None:
+    for line in examples(PAGES[page]):
+        assert understand(line) or not line.startswith("trainer"), line
+
+
+@pytest.mark.parametrize("line", ["trainer rum", "trainer run --headles", "trainer replay"])
+def test_an_example_that_is_wrong_is_seen(line: str) -> None:
+    with pytest.raises(click.UsageError):
+        understand(f"{line} && trainer vessels")
 
 
 class Typist:

@@ -1,11 +1,17 @@
 """What documents and help pages show is typed into a shell, in an empty folder."""
 
 import os
+import shlex
 import subprocess
 import sys
+from itertools import groupby
 from pathlib import Path
 
+import click
+
 from helpers.places import environment
+from trainer.cli.main import cli
+from trainer.config.files import ConfigError
 
 Done = subprocess.CompletedProcess[str]
 TIMEOUT = 600.0  # [s] on a machine that is busy
@@ -63,3 +69,31 @@ def imported(words: tuple[str, ...], folder: Path | None = None, **more: str) ->
         check=True,
     ).stderr
     return {line.rpartition("|")[2].strip() for line in loaded.splitlines()}
+
+
+def understand(line: str) -> list[str]:
+    """Read the trainer's commands of a shell line, as it would; return their names.
+
+    What is no command or option of theirs raises click.UsageError. Files need not be there.
+    """
+    words = shlex.split(line, comments=True)
+    parts = [list(part) for ends, part in groupby(words, {"&&", "|", ";"}.__contains__) if not ends]
+    return [name_of(part[1:]) for part in parts if part[0] == "trainer"]
+
+
+def name_of(words: list[str]) -> str:
+    """Return the name of the command that these words are; click.UsageError for none."""
+    ends = [place for place, word in enumerate(words) if word in {"<", ">", ">>", "2>"}]
+    said = words[: ends[0] if ends else None]
+    if said in (["--help"], ["--version"], []):
+        return "trainer"
+    with click.Context(cli, info_name="trainer") as top:
+        name, command, rest = cli.resolve_command(top, said)
+        assert command
+        try:
+            command.make_context(name, rest, parent=top)
+        except click.MissingParameter:
+            raise
+        except (click.BadParameter, ConfigError, click.exceptions.Exit):
+            pass  # of a file that is not there; or all that was asked for is help
+    return str(name)

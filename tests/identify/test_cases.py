@@ -38,6 +38,7 @@ def test_what_the_report_saw_is_seen_again(proof: Any) -> None:
         assert figure.low <= figure.value <= figure.high, figure
 
 
+@pytest.mark.slow
 def test_lanes_as_they_are_give_the_ship_and_smoothed_ones_another() -> None:
     # S11; the report found both equally good
     gain, slow, gain_smoothed, slow_smoothed, shift = by_lanes(3)
