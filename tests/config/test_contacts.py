@@ -47,6 +47,11 @@ def refused(folder: Path, tables: str) -> tuple[str, ...]:
         (SHIP + "mmsi = 1234\n", "mmsi = 1234: must be a whole number, 100000000 to 999999999"),
         (SHIP + "mmsi = 211000001.5\n", "mmsi = 211000001.5: must be a whole number"),
         (SHIP + "course_deg = 90\n", "course_deg = 90.0: goes with one point alone"),
+        (SHIP + "drifts = 1\n", "drifts = 1: must be true or false"),
+        (
+            SHIP + 'drifts = true\nstatus = "at anchor"\n',
+            'drifts = true: does not go with status = "at anchor"',
+        ),
         (SHIP + 'status = "sunk"\n', 'status = "sunk": must be under way or'),
         (SHIP + "heading = 3\n", "heading = 3: no such key"),
         (SHIP.replace("[2000, 9000]", "[2000]"), "points[1] = [2000]: must be a pair"),

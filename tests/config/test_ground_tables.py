@@ -1,6 +1,8 @@
 """The ground in an exercise: its table, grids from files, and what is refused."""
 
 import re
+import struct
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +10,7 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
-from trainer.config.bottom import LAND, Bottom, is_charted, land_near, read_bottom
+from trainer.config.bottom import LAND, Bottom, depths_at, is_charted, land_near, read_bottom
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError, Place, reading_recorded, remembering
 from trainer.config.soundings import (
@@ -56,6 +58,14 @@ def test_the_first_row_is_the_north_and_the_centre_is_the_sample(asc: Path) -> N
     assert grid.values.tolist() == [[30.0, 40.0], [10.0, 20.0]]
     assert (grid.south, grid.west, grid.cell) == (0.0, 0.0, (100.0, 100.0))
     assert between(grid.values, np.array(0.5), np.array(0.5)) == 25.0
+
+
+def test_depths_are_those_between_the_samples_and_beyond_the_end_those_of_the_edge(
+    asc: Path,
+) -> None:
+    bottom = ground(asc, grid=asc.name, values="depth", tide_m=1.0)
+    north, east = np.array([50.0, -900.0, 900.0, 50.0]), np.array([50.0, -900.0, 50.0, 900.0])
+    assert depths_at(bottom, north, east).tolist() == [26.0, 31.0, 16.0, 31.0]
 
 
 def test_a_corner_is_half_a_cell_from_the_sample_whatever_the_case_and_line_ends(
@@ -228,7 +238,37 @@ def tiff(path: Path, values: Any, **more: Any) -> None:
     tifffile.imwrite(path, np.asarray(values, np.float32), extratags=tags, **more)
 
 
-@pytest.mark.parametrize("compression", [None, "zlib"])
+def packed(data: bytes) -> bytes:
+    """Return bytes by PackBits: runs of the same as (257 - length, byte), all else as it is."""
+    found = b""
+    for run in re.finditer(rb"(?s)(.)\1{2,127}|(?:(.)(?!\2\2)){1,128}", data):
+        same, length = run[1], len(run[0])
+        found += bytes([257 - length]) + same if same else bytes([length - 1]) + run[0]
+    return found
+
+
+def test_packbits_are_unpacked(tmp_path: Path) -> None:
+    path, values = tmp_path / "a.tif", np.array([[0, 0], [30, 40]], np.float32)
+    tiff(path, values)
+    strip = values.tobytes()
+    assert packed(b"abccccd") == b"\x01ab\xfdc\x00d"
+    assert len(packed(strip)) < 2 * len(strip)
+    data = path.read_bytes().replace(strip, packed(strip).ljust(len(strip), b"\x80"))
+    path.write_bytes(coded(data, 32773, len(packed(strip))))
+    assert read_grid(path).values.tolist() == [[30.0, 40.0], [0.0, 0.0]]
+
+
+@pytest.mark.skipif(sys.version_info >= (3, 14), reason="this Python reads zstd")
+def test_zstd_is_refused_where_python_has_none(tmp_path: Path) -> None:
+    path = tmp_path / "a.tif"
+    tiff(path, [[1, 2], [3, 4]])
+    path.write_bytes(coded(path.read_bytes(), 50000))
+    said = refused(path, grid=path.name, values="depth")
+    assert "is compressed by ZSTD, which needs Python 3.14" in said
+    assert "COMPRESS=DEFLATE" in said
+
+
+@pytest.mark.parametrize("compression", [None, "zlib", "lzma"])
 def test_a_geotiff_is_the_same_grid_as_an_esri_grid(
     tmp_path: Path, compression: str | None
 ) -> None:
@@ -273,13 +313,21 @@ def test_another_reference_system_is_refused_by_name(
     assert "gdalwarp -t_srs EPSG:4326" in said
 
 
+def coded(data: bytes, code: int, length: int | None = None) -> bytes:
+    """Return a TIFF of one strip whose tags say another compression, and length of the strip."""
+    for tag, value in ((259, code), (279, length)):
+        kind = 3 if tag == 259 else 4
+        entry = re.search(re.escape(struct.pack("<HHI", tag, kind, 1)), data)
+        assert entry
+        if value is not None:
+            data = data[: entry.end()] + struct.pack("<I", value) + data[entry.end() + 4 :]
+    return data
+
+
 def test_lzw_is_refused_with_how_to_convert(tmp_path: Path) -> None:
     path = tmp_path / "a.tif"
     tiff(path, [[1, 2], [3, 4]])
-    data = path.read_bytes()
-    entry = re.search(rb"\x03\x01\x03\x00\x01\x00\x00\x00\x01\x00", data)  # compression: none
-    assert entry
-    path.write_bytes(data[: entry.end() - 2] + b"\x05\x00" + data[entry.end() :])
+    path.write_bytes(coded(path.read_bytes(), 5))
     said = refused(path, grid=path.name, values="depth")
     assert "LZW" in said
     assert "COMPRESS=DEFLATE" in said

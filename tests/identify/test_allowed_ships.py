@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.studies import columns
 
 from trainer.analysis.report.plots import Curve, Panel, Screen
 from trainer.cli.identify import identify
@@ -29,27 +30,15 @@ from trainer.identify.validation import draw_outputs
 pytest.importorskip("scipy")
 
 K, T1, T2, T3 = -0.05, 20.0, 6.0, 4.0
-STUDY = """
+STUDY = (
+    """
 schema = "identify/1"
 name = "a <second>-order ship"
 data = "trial.csv"
 
-[[columns]]
-channel = "t"
-column = "t"
-unit = "s"
-
-[[columns]]
-channel = "rudder"
-column = "helm"
-unit = "deg"
-
-[[columns]]
-channel = "yaw_rate"
-column = "rate"
-unit = "deg/s"
-
-[ship]
+"""
+    + columns(t="t s", rudder="helm deg", yaw_rate="rate deg/s")
+    + """[ship]
 length_m = 120
 speed_kn = 12
 
@@ -57,6 +46,7 @@ speed_kn = 12
 kind = "nomoto2"
 outputs = ["yaw_rate"]
 """
+)
 ASKED = {
     "every": None,
     "begin": None,

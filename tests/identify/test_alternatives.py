@@ -34,7 +34,7 @@ def test_standard_deviations_are_those_of_the_likelihoods_own_curvature() -> Any
     problem = TANKER.problem(TANKER_RUDDER[:600])
     problem = problem.on(draw_outputs(problem, problem.start, np.random.default_rng(2)))
     cost = Likelihood(problem)
-    theta = estimate(cost, TANKER.start(), "auto", Search()).theta
+    theta = estimate(cost, TANKER.start(), "scoring", Search()).theta
     found = hessian(cost, theta)
     steps = 0.02 / np.sqrt(np.diag(found))
     place = np.diag(steps)

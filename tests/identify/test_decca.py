@@ -14,7 +14,6 @@ from trainer.config.files import ConfigError
 from trainer.identify.decca import (
     Point,
     Slave,
-    convergence,
     fixes,
     lane_at,
     lane_number,
@@ -25,10 +24,10 @@ from trainer.identify.decca_study import load_decca, load_readings, sail, write_
 from trainer.identify.sources import Column, load_record, own_columns
 from trainer.identify.track import (
     SPENCER,
+    along,
     derivative,
     even_interval,
     smooth_spencer,
-    sway_of_track,
 )
 
 
@@ -89,9 +88,13 @@ def test_a_missing_colour_leaves_the_other_two_and_one_alone_leaves_no_fix() -> 
     assert found[1] is None
 
 
+def sway_of_track(x: Any, y: Any, turned: Any) -> Any:
+    return along(derivative(y, TRACK["h"]), derivative(x, TRACK["h"]), turned)[1]
+
+
 def test_sway_of_a_known_track_is_found_by_five_points() -> None:
     x, y, psi = (np.array(TRACK[key]) for key in ("x0", "y0", "psi"))
-    found = sway_of_track(x, y, psi, TRACK["h"])
+    found = sway_of_track(x, y, psi)
     expected = np.array(TRACK["v_five_point"], float)
     assert found == pytest.approx(expected, abs=1e-12, nan_ok=True)
     assert found[2:-2] == pytest.approx(np.array(TRACK["v_true"])[2:-2], abs=5e-5)
@@ -99,7 +102,7 @@ def test_sway_of_a_known_track_is_found_by_five_points() -> None:
 
 def test_spencers_points_smooth_as_published_and_keep_cubics() -> None:
     x, y, psi = (np.array(TRACK[key]) for key in ("x0", "y0", "psi"))
-    found = sway_of_track(smooth_spencer(x), smooth_spencer(y), psi, TRACK["h"])
+    found = sway_of_track(smooth_spencer(x), smooth_spencer(y), psi)
     assert found == pytest.approx(np.array(TRACK["v_smoothed"], float), abs=1e-12, nan_ok=True)
     t = np.linspace(-3.0, 3.0, 40)
     cubic = 1.0 + t - 2.0 * t**2 + 0.5 * t**3
@@ -118,10 +121,6 @@ def test_the_derivative_is_of_fourth_order() -> Any:
 def test_uneven_times_have_no_derivative() -> None:
     with pytest.raises(ConfigError, match=r"a\.csv: sample 4: 2 s after the one before"):
         even_interval(np.array([0.0, 1.0, 2.0, 4.0, 5.0]), "a.csv")
-
-
-def test_convergence_grows_with_latitude() -> None:
-    assert convergence(0.02, 0.01, math.radians(30.0)) == pytest.approx(0.005)
 
 
 def run(tmp_path: Path, antenna: Any = 0.0, extra: Any = "") -> Any:

@@ -10,15 +10,18 @@ from helpers.differences import gradient_and_hessian, refined, relative_steps
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
-from trainer.identify.innovations import chi_square_limits, losses, no_limits, run_filter
-from trainer.identify.kernels.prediction import settle
+from trainer.identify.kernels.covariance_filter import settle
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Samples
 from trainer.identify.prediction_error import (
     Innovations,
     MultiStep,
     _concentrate,
+    chi_square_limits,
+    loss_1,
     no_gain,
+    no_limits,
+    run_filter,
     settled_gain,
 )
 from trainer.identify.validation import deterministic, draw_outputs
@@ -190,7 +193,7 @@ def test_predictors_with_a_gain_have_exact_gradients(gains: Any, share: Any) -> 
 
 def test_the_settled_gain_is_the_filters_own_after_a_while() -> None:
     problem = recorded(question(400))
-    errors = Innovations(problem, settled_gain).errors(problem.start)
+    errors = Innovations(problem, settled_gain).shown(problem.start)[1]
     filtered = run_filter(problem, problem.start, no_limits(3)).errors
     assert_allclose(errors[200:], filtered[200:], rtol=1e-6, atol=1e-9)
     assert not np.allclose(errors[:5], filtered[:5], rtol=1e-6)
@@ -236,14 +239,18 @@ def test_a_prediction_uses_only_what_was_known_so_many_samples_before() -> None:
     assert three == pytest.approx(expected, rel=1e-10)
 
 
-def test_losses_shown_are_those_minimised() -> None:
+def test_the_filter_shown_is_the_one_whose_likelihood_is_minimised() -> None:
     problem = CASES["missing"]
     run = run_filter(problem, problem.start, no_limits(3))
-    found = losses(run)
-    value = Likelihood(problem).value(problem.start)
-    assert found.samples * found.V2 == pytest.approx(value, rel=1e-11)
+    total = 0.0
+    for error, R, size in zip(run.errors, run.spreads, run.squares, strict=True):
+        there = ~np.isnan(error)
+        total += np.linalg.slogdet(R[np.ix_(there, there)])[1] + size
+        total += there.sum() * math.log(2.0 * math.pi)
+    assert 0.5 * total == pytest.approx(Likelihood(problem).value(problem.start), rel=1e-11)
     whole = run.errors[~np.isnan(run.errors).any(axis=1)]
-    assert pytest.approx(np.linalg.slogdet(whole.T @ whole)[1] / len(whole)) == found.V1
+    expected = np.linalg.slogdet(whole.T @ whole)[1] / len(whole)
+    assert loss_1(run.errors) == pytest.approx(expected)
 
 
 def test_an_outlier_is_rejected_and_moves_nothing() -> None:
@@ -259,7 +266,7 @@ def test_an_outlier_is_rejected_and_moves_nothing() -> None:
 
     assert np.flatnonzero(screened.flags == 2).tolist() == [100]
     assert_allclose(screened.errors[101:], without.errors[101:], rtol=1e-12)
-    assert losses(screened).samples == 199
+    assert np.count_nonzero(screened.counted) == 199
 
 
 @pytest.mark.parametrize(

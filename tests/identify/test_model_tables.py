@@ -9,10 +9,9 @@ import pytest
 from helpers.places import DATA
 
 from trainer.config.files import ConfigError
-from trainer.identify.armax import Armax
-from trainer.identify.armax_orders import rounding_poles, without_wind
-from trainer.identify.experiment import TAPS, autocorrelation, hold_bits, prbs
-from trainer.identify.nomoto import convert_units, levers, nomoto, scale, solve_motion, transfer
+from trainer.identify.armax import Armax, rounding_poles, without_wind
+from trainer.identify.experiment import TAPS, hold_bits, prbs
+from trainer.identify.nomoto import levers, nomoto, scale, solve_motion, transfer
 from trainer.identify.residuals import aic_of_loss, f_test, ratio_test
 from trainer.identify.uncertainty import draw_parameters, propagate
 
@@ -80,23 +79,12 @@ def test_prime_values_of_the_report_become_dimensional(ship: Any) -> None:
 
 
 def test_bis_and_prime_describe_one_ship() -> None:
-    case = vectors("transfer_functions")["cases"][1]
-    form, length, speed = nomoto(ship(case)), 161.0, 4.5
+    # K' = K''/F_nL, and K_v in speeds
+    length, speed = 161.0, 4.5
     prime, bis = scale("prime", length, speed), scale("bis", length, speed)
-    si = convert_units(form, prime, scale("si", length, speed))
-    there = convert_units(si, scale("si", length, speed), bis)
-    back = convert_units(there, bis, prime)
-    assert pytest.approx(form.K, rel=1e-12) == back.K
-    # K' = K''/F_nL, and K' = K L/V
     froude = speed / math.sqrt(9.81 * length)
-    assert pytest.approx(there.K / froude, rel=1e-12) == form.K
-    assert form.K_v * speed == pytest.approx(si.K_v, rel=1e-12)
-    assert there.K_v * math.sqrt(9.81 * length) == pytest.approx(si.K_v, rel=1e-12)
-
-
-def test_a_system_without_a_name_is_refused() -> None:
-    with pytest.raises(ConfigError, match="must be prime, bis or si"):
-        scale("metric", 100.0, 5.0)
+    assert prime.time / bis.time == pytest.approx(1.0 / froude, rel=1e-12)
+    assert prime.speed / bis.speed == pytest.approx(froude, rel=1e-12)
 
 
 @pytest.mark.parametrize("row", vectors("order_tests")["aic"])
@@ -155,6 +143,11 @@ def test_a_pole_that_a_zero_cancels_is_told_as_rounding() -> None:
 @pytest.mark.parametrize("case", vectors("prbs")["sequences"], ids=lambda case: str(case["nbits"]))
 def test_sequences_are_those_of_the_shift_register(case: Any) -> None:
     assert prbs(case["nbits"], case["seed"]).tolist() == case["values"]
+
+
+def autocorrelation(sequence: Any) -> Any:
+    own = np.fft.ifft(np.abs(np.fft.fft(sequence)) ** 2).real
+    return own / own[0]
 
 
 def test_a_sequence_looks_like_white_noise_of_its_period() -> None:

@@ -1,7 +1,6 @@
 """A system of the user's own: read, refused, and fitted like any other."""
 
 import ast
-import json
 from pathlib import Path
 from typing import Any
 
@@ -10,29 +9,17 @@ import pytest
 from click.testing import CliRunner
 from helpers.places import ROOT
 from helpers.rolling import PROGRAM, ROWS, SYSTEM, K, W, Z, sampled, write_record, write_study
+from helpers.studies import identified, numbers
 from numpy.testing import assert_allclose
 
 from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
-from trainer.identify.own_systems import STEP, aside
+from trainer.identify.sampled import STEP, aside
 from trainer.identify.system_files import key_tables, load_system, parse
 
 pytest.importorskip("scipy")
 
 TRUE = {"w": W, "z": Z, "k": K, "roll_0": 2.0}
-
-
-def fitted(*arguments: Any) -> Any:
-    """Return the report of a command."""
-    result = CliRunner().invoke(identify, [*map(str, arguments), "--json"])
-    if result.exception and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    assert result.exit_code == 0, result.output[:500]
-    return json.loads(result.stdout)
-
-
-def numbers(report: Any) -> Any:
-    return {one["name"]: (one["value"], one["deviation"]) for one in report["parameters"]}
 
 
 def assert_found(report: Any) -> None:
@@ -46,7 +33,7 @@ def assert_found(report: Any) -> None:
 
 @pytest.mark.parametrize("noise", ["covariance", "innovations", "output-error"])
 def test_a_system_in_a_file_is_found(tmp_path: Path, noise: str) -> None:
-    report = fitted(write_study(tmp_path), "--noise", noise)
+    report = identified(write_study(tmp_path), "--noise", noise)
     assert_found(report)
     ship = {one["name"]: one for one in report["ship"]}
     # a pair: Re = -z w, Im = w sqrt(1 - z^2); steady gain k
@@ -61,7 +48,7 @@ def test_a_system_in_a_file_is_found(tmp_path: Path, noise: str) -> None:
 def test_a_program_finds_what_the_file_finds(tmp_path: Path) -> None:
     study, program = write_study(tmp_path), tmp_path / "system.py"
     program.write_text(PROGRAM)
-    by_file, by_program = fitted(study), fitted(study, "--system", program)
+    by_file, by_program = identified(study), identified(study, "--system", program)
     for name, (value, deviation) in numbers(by_file).items():
         assert numbers(by_program)[name][0] == pytest.approx(value, rel=1e-6, abs=1e-3 * deviation)
         assert numbers(by_program)[name][1] == pytest.approx(deviation, rel=1e-4)
@@ -72,9 +59,9 @@ def test_a_program_is_run_only_where_the_command_names_it(tmp_path: Path) -> Non
     (tmp_path / "system.py").write_text(f"open({str(mark)!r}, 'w').close()\n" + PROGRAM)
     study.write_text(study.read_text().replace("system.toml", "system.py"))
     with pytest.raises(ConfigError, match="is run only where the command names it"):
-        fitted(study)
+        identified(study)
     assert not mark.exists()
-    fitted(study, "--system", tmp_path / "system.py")
+    identified(study, "--system", tmp_path / "system.py")
     assert mark.exists()
 
 
@@ -108,7 +95,7 @@ def test_matrices_of_one_step_are_found_too(tmp_path: Path) -> None:
     text += f'C = [[1, 0]]\nR1 = {noise.tolist()}\nR2 = [["s"]]\nx0 = [2, 0]\n'
     starts = {"a": 0.9, "b": -0.1, "g": 0.1, "s": 0.1}
     text += "".join(f'\n[[parameters]]\nname = "{n}"\nstart = {x}\n' for n, x in starts.items())
-    report = fitted(write_study(tmp_path, text))
+    report = identified(write_study(tmp_path, text))
     for name, true in {"a": Phi[0, 0], "b": Phi[1, 0], "g": Gamma[0]}.items():
         value, deviation = numbers(report)[name]
         assert abs(value - true) < 4.0 * deviation < 0.2
@@ -117,13 +104,13 @@ def test_matrices_of_one_step_are_found_too(tmp_path: Path) -> None:
     rows = (tmp_path / "roll.csv").read_text().splitlines()
     (tmp_path / "roll.csv").write_text("\n".join(rows[:100] + rows[110:]) + "\n")
     with pytest.raises(ConfigError, match="matrices of one step need one interval"):
-        fitted(tmp_path / "study.toml")
+        identified(tmp_path / "study.toml")
 
 
 def test_a_gain_of_its_own_is_taken(tmp_path: Path) -> None:
     text = SYSTEM.replace('R1 = [[0, 0], [0, "q"]]', 'K = ["g1", "g2"]').replace('R2 = [["s"]]', "")
     rows = ROWS.replace('"q"', '"g1"').replace('"s"', '"g2"')
-    report = fitted(write_study(tmp_path, text + rows), "--noise", "innovations")
+    report = identified(write_study(tmp_path, text + rows), "--noise", "innovations")
     assert_found(report)
     gain = numbers(report)["g1"]
     assert 0.0 < gain[0] < 0.3  # the settled filter's is 0.05
@@ -136,7 +123,7 @@ def test_two_inputs_and_none(tmp_path: Path) -> None:
     lines = (tmp_path / "roll.csv").read_text().splitlines()
     more = [f"{line},{i % 7 if i else 'sea'}" for i, line in enumerate(lines)]
     (tmp_path / "roll.csv").write_text("\n".join(more) + "\n")
-    report = fitted(path)
+    report = identified(path)
     assert_found(report)
     assert report["inputs"] == ["fin", "sea"]
     free = [",".join(line.split(",")[::2]) for line in lines]
@@ -144,7 +131,7 @@ def test_two_inputs_and_none(tmp_path: Path) -> None:
     text = SYSTEM.replace('inputs = ["fin"]\n', "").replace('B = [[0], ["k*w**2"]]\n', "")
     rows = ROWS.replace('name = "k"\nstart = 1.0', 'name = "k"\nstart = 1.0\nfree = false')
     path.with_name("system.toml").write_text(text + rows)
-    report = fitted(path)
+    report = identified(path)
     assert report["inputs"] == []
     assert "k" not in numbers(report)
 
@@ -166,7 +153,7 @@ def test_its_page_plot_series_and_check(tmp_path: Path) -> None:
     heads = (tmp_path / "x.csv").read_text().splitlines()[0]
     assert heads.startswith("t_s,fin,roll_measured,roll_model")
     assert "roll by a step of 1 of fin" in (tmp_path / "x.html").read_text()
-    check = fitted(study, "--check", other)["check"]
+    check = identified(study, "--check", other)["check"]
     assert check["explained"][0] > 0.99
 
 
@@ -252,7 +239,7 @@ def test_a_system_that_is_wrong_says_where(tmp_path: Path, old: str, new: str, t
     text = SYSTEM + ROWS
     assert old in text
     with pytest.raises(ConfigError) as caught:
-        fitted(write_study(tmp_path, text.replace(old, new)))
+        identified(write_study(tmp_path, text.replace(old, new)))
     assert told in "\n".join(caught.value.problems)
 
 
@@ -285,7 +272,7 @@ def test_a_study_of_its_own_kind_says_what_it_needs(tmp_path: Path) -> None:
     ):
         study.write_text(text.replace(old, new))
         with pytest.raises(ConfigError) as caught:
-            fitted(study)
+            identified(study)
         assert told in "\n".join(caught.value.problems)
 
 
@@ -294,13 +281,13 @@ def test_an_input_must_be_known_and_a_reading_may_be_missing(tmp_path: Path) -> 
     rows = (tmp_path / "roll.csv").read_text().splitlines()
     rows[7] = rows[7].rsplit(",", 1)[0] + ","
     (tmp_path / "roll.csv").write_text("\n".join(rows) + "\n")
-    report = fitted(study)
+    report = identified(study)
     assert report["samples"] == 299
     assert any("1 of 300 values are missing" in text for text in report["findings"])
     rows[9] = rows[9].replace(rows[9].split(",")[1], "", 1)
     (tmp_path / "roll.csv").write_text("\n".join(rows) + "\n")
     with pytest.raises(ConfigError, match="row 10: fin: an input must be known"):
-        fitted(study)
+        identified(study)
 
 
 def test_the_keys_of_a_system_are_in_the_manual() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.places import ROOT
+from helpers.studies import columns
 
 from trainer.config import nomoto
 from trainer.config.files import ConfigError
@@ -23,26 +24,7 @@ schema = "identify/1"
 name = "sea trial"
 data = "trial.csv"
 
-[[columns]]
-channel = "t"
-column = "time"
-unit = "s"
-
-[[columns]]
-channel = "rudder"
-column = "helm"
-unit = "deg"
-
-[[columns]]
-channel = "yaw_rate"
-column = "rot"
-unit = "deg/min"
-
-[[columns]]
-channel = "heading"
-column = "gyro"
-unit = "deg"
-"""
+""" + columns(t="time s", rudder="helm deg", yaw_rate="rot deg/min", heading="gyro deg")
 
 
 def turned(rudder: Any, gain: Any = -0.05, constant: Any = 20.0, step: Any = 5.0) -> Any:

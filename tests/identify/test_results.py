@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.studies import columns
 
 from trainer.analysis.report.panels import draw
 from trainer.analysis.report.plots import Curve, Panel
@@ -50,37 +51,15 @@ TRUTH = {  # Model 1, prime
     "R2_r": 4e-4,
     "R2_psi": 1e-3,
 }
-STUDY = """
+STUDY = (
+    """
 schema = "identify/1"
 name = "a ship"
 data = "trial.csv"
 
-[[columns]]
-channel = "t"
-column = "t"
-unit = "s"
-
-[[columns]]
-channel = "rudder"
-column = "helm"
-unit = "deg"
-
-[[columns]]
-channel = "sway"
-column = "log"
-unit = "kn"
-
-[[columns]]
-channel = "yaw_rate"
-column = "rate"
-unit = "deg/s"
-
-[[columns]]
-channel = "heading"
-column = "gyro"
-unit = "deg"
-
-[ship]
+"""
+    + columns(t="t s", rudder="helm deg", sway="log kn", yaw_rate="rate deg/s", heading="gyro deg")
+    + """[ship]
 length_m = 120
 speed_kn = 12.052
 
@@ -88,6 +67,7 @@ speed_kn = 12.052
 kind = "1"
 outputs = ["sway", "yaw_rate", "heading"]
 """
+)
 OUTPUTS = ("sway", "yaw_rate", "heading")
 
 

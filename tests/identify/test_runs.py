@@ -1,6 +1,5 @@
 """Several records of one ship in one fit, the model as it starts, and a record alone."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from helpers.rolling import SYSTEM, write_record, write_study
+from helpers.studies import identified, numbers
 from numpy.testing import assert_allclose
 
 from trainer.cli.identify import identify
@@ -26,19 +26,6 @@ from trainer.verify.cases.reference_ships import TANKER, TANKER_RUDDER
 pytest.importorskip("scipy")
 
 OWN = ("Y_0", "N_0", "x1_0", "x2_0", "x3_0")
-
-
-def command(*arguments: Any) -> Any:
-    """Return the report of a command."""
-    result = CliRunner().invoke(identify, [*map(str, arguments), "--json"])
-    if result.exception and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    assert result.exit_code == 0, result.output[:500]
-    return json.loads(result.stdout)
-
-
-def numbers(report: Any) -> Any:
-    return {one["name"]: (one["value"], one["deviation"]) for one in report["parameters"]}
 
 
 def drawn(problem: Problem, seed: int) -> Problem:
@@ -94,7 +81,7 @@ def test_costs_of_runs_add_up_and_so_do_slopes_and_information(name: str) -> Non
 @pytest.mark.parametrize("gains", [no_gain, settled_gain])
 def test_errors_of_all_runs_have_one_covariance_with_a_gain(gains: Any) -> None:
     (first, second), both = runs(120)
-    errors = [Innovations(one, gains).errors(one.start) for one in (first, second)]
+    errors = [Innovations(one, gains).shown(one.start)[1] for one in (first, second)]
     whole = np.concatenate(errors)
     S = whole.T @ whole / len(whole)
     expected = 0.5 * len(whole) * (np.linalg.slogdet(S)[1] + 3.0 * (1.0 + np.log(2.0 * np.pi)))
@@ -110,8 +97,8 @@ def test_errors_of_all_runs_have_one_covariance_with_a_gain(gains: Any) -> None:
 
 def test_two_runs_at_two_speeds_tell_more_than_one() -> None:
     (first, _), both = runs(300)
-    found = estimate(Likelihood(both), both.start, "auto", Search())
-    alone = estimate(Likelihood(first), first.start, "auto", Search())
+    found = estimate(Likelihood(both), both.start, "scoring", Search())
+    alone = estimate(Likelihood(first), first.start, "scoring", Search())
     ours, theirs = (
         np.sqrt(np.diag(np.linalg.inv(hessian(Likelihood(problem), one.theta))))
         for problem, one in ((both, found), (first, alone))
@@ -125,7 +112,7 @@ def test_two_runs_at_two_speeds_tell_more_than_one() -> None:
 def test_two_records_are_fitted_by_one_command(tmp_path: Path) -> None:
     study = write_study(tmp_path)
     other = write_record(tmp_path / "other.csv", 2, (-3.0, 1.0), 200)
-    alone, both = command(study), command(study, other)
+    alone, both = identified(study), identified(study, other)
     assert both["samples"] == 500
     assert [run["samples"] for run in both["runs"]] == [300, 200]
     assert both["runs"][1]["explained"][0] > 0.98
@@ -133,7 +120,7 @@ def test_two_records_are_fitted_by_one_command(tmp_path: Path) -> None:
     assert abs(value + 3.0) < 4.0 * deviation
     assert numbers(both)["w"][1] < 0.95 * numbers(alone)["w"][1]
     study.write_text(study.read_text() + f'\n[[runs]]\ndata = "{other.name}"\n')
-    assert command(study)["parameters"] == both["parameters"]
+    assert identified(study)["parameters"] == both["parameters"]
     page = CliRunner().invoke(identify, [str(study), "--csv", str(tmp_path / "x.csv")]).stdout
     assert "2 other.csv" in page
     assert max(map(len, page.splitlines())) <= 79
@@ -148,7 +135,7 @@ def test_a_run_has_its_own_part_and_its_own_numbers(tmp_path: Path) -> None:
     runs = '\n[[runs]]\ndata = "other.csv"\nfrom_s = 20\nto_s = 59.5\n'
     own = '\n[[parameters]]\nname = "s"\nper_run = "yes"\n'
     study.write_text(study.read_text() + runs + own)
-    report = command(study)
+    report = identified(study)
     assert report["runs"][1]["samples"] == 80
     assert "s of run 2" in numbers(report)
     assert "w of run 2" not in numbers(report)
@@ -160,37 +147,37 @@ def test_outliers_are_rejected_in_each_run_and_named(tmp_path: Path) -> None:
     rows = other.read_text().splitlines()
     rows[50] = ",".join([*rows[50].split(",")[:2], "500"])
     other.write_text("\n".join(rows) + "\n")
-    report = command(study, other, "--reject", "1e-6")
+    report = identified(study, other, "--reject", "1e-6")
     assert report["screened"] == [{"run": 2, "row": 51, "t_s": 24.5}]
     assert report["samples"] == 499
 
 
 def test_nothing_is_estimated_where_only_a_simulation_is_wanted(tmp_path: Path) -> None:
     study = write_study(tmp_path)
-    report = command(study, "--simulate")
+    report = identified(study, "--simulate")
     start = {"w": 0.6, "z": 0.2, "k": 1.0}
     assert {name: numbers(report)[name] for name in start} == {
         n: (x, None) for n, x in start.items()
     }
     assert report["simulated"]
-    fit = command(study)
+    fit = identified(study)
     row = '\n[[parameters]]\nname = "{}"\nstart = {!r}\n'
     held = "".join(row.format(name, value) for name, (value, _) in numbers(fit).items())
     (tmp_path / "system.toml").write_text(SYSTEM + held)
-    again = command(study, "--simulate")
+    again = identified(study, "--simulate")
     assert again["log_likelihood"] == pytest.approx(fit["log_likelihood"], abs=1e-6)
     assert again["log_likelihood"] > report["log_likelihood"]
     rows = (tmp_path / "roll.csv").read_text().splitlines()
     rows[100] = ",".join([*rows[100].split(",")[:2], "500"])
     (tmp_path / "roll.csv").write_text("\n".join(rows) + "\n")
-    screened = command(study, "--simulate", "--reject", "1e-6")["screened"]
+    screened = identified(study, "--simulate", "--reject", "1e-6")["screened"]
     assert screened == [{"run": 1, "row": 101, "t_s": 49.5}]
 
 
 def test_a_record_is_shown_alone(tmp_path: Path) -> None:
     study = write_study(tmp_path)
     other = write_record(tmp_path / "other.csv", 2, (-3.0, 1.0), 200)
-    report = command(study, other, "--data-only")
+    report = identified(study, other, "--data-only")
     first, second = report["runs"]
     assert (first["samples"], second["samples"]) == (300, 200)
     assert [one["name"] for one in first["channels"]] == ["fin", "roll"]
@@ -202,4 +189,4 @@ def test_a_record_is_shown_alone(tmp_path: Path) -> None:
 def test_a_second_study_is_no_run(tmp_path: Path) -> None:
     study = write_study(tmp_path)
     with pytest.raises(ConfigError, match="is a study: one study"):
-        command(study, study)
+        identified(study, study)

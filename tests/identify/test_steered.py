@@ -13,6 +13,7 @@ from helpers.places import ROOT
 
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.nomoto_ship import Steered
 from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.guide import manoeuvre
@@ -24,7 +25,6 @@ from trainer.identify.derived import arms_of, nomoto_of
 from trainer.identify.models import MODELS
 from trainer.identify.nonlinear import Bent
 from trainer.identify.pages.steering import of_nomoto, panels
-from trainer.identify.steering import Steered
 from trainer.identify.steering import steering as steering_of
 from trainer.units import DEGREE, KNOT
 from trainer.verify.cases.reference_ships import TANKER

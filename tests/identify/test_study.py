@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.studies import columns
 
 from trainer.cli.identify import identify, prbs
 from trainer.config.files import ConfigError
@@ -25,32 +26,15 @@ pytest.importorskip("scipy")
 
 STEP = 5.0
 K, T = -0.05, 20.0
-STUDY = """
+STUDY = (
+    """
 schema = "identify/1"
 name = "a first-order ship"
 data = "trial.csv"
 
-[[columns]]
-channel = "t"
-column = "t"
-unit = "s"
-
-[[columns]]
-channel = "rudder"
-column = "helm"
-unit = "deg"
-
-[[columns]]
-channel = "yaw_rate"
-column = "rate"
-unit = "deg/s"
-
-[[columns]]
-channel = "heading"
-column = "gyro"
-unit = "deg"
-
-[ship]
+"""
+    + columns(t="t s", rudder="helm deg", yaw_rate="rate deg/s", heading="gyro deg")
+    + """[ship]
 length_m = 120
 speed_kn = 12
 
@@ -62,6 +46,7 @@ outputs = ["yaw_rate", "heading"]
 output = "yaw_rate"
 most = 2
 """
+)
 
 
 def trial(folder: Any, seed: Any = 1, outlier: Any = 0.0, sea: Any = 0.0) -> Any:

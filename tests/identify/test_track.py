@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from geographiclib.geodesic import Geodesic
+from helpers.studies import columns
 
 from trainer.config.files import ConfigError
 from trainer.config.tables import read_table
@@ -15,35 +16,21 @@ from trainer.identify.track import ground_velocity
 from trainer.units import KNOT
 
 STEP, COUNT = 1.0, 200
-STUDY = """schema = "identify/1"
+STUDY = (
+    """schema = "identify/1"
 name = "a track"
 data = "track.csv"
 {more}
-[[columns]]
-channel = "t"
-column = "t"
-unit = "s"
-
-[[columns]]
-channel = "rudder"
-column = "helm"
-unit = "deg"
-
-[[columns]]
-channel = "heading"
-column = "gyro"
-unit = "deg"
-
-[[columns]]
-channel = "latitude"
-column = "lat"
-unit = "{unit}"
-
-[[columns]]
-channel = "longitude"
-column = "lon"
-unit = "{unit}"
-{tables}"""
+"""
+    + columns(
+        t="t s",
+        rudder="helm deg",
+        heading="gyro deg",
+        latitude="lat {unit}",
+        longitude="lon {unit}",
+    )
+    + """{tables}"""
+)
 
 
 def sailed(antenna: float = 0.0, current: tuple[float, float] = (0.0, 0.0)) -> Any:

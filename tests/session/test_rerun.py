@@ -27,6 +27,7 @@ from trainer.analysis.recording_export import export_file
 from trainer.config.files import ConfigError
 from trainer.io.recording.recording import Recording
 from trainer.session.layout import LAYOUT
+from trainer.units import KNOT
 
 rerun = pytest.importorskip("rerun", reason="rerun-sdk is not installed: half a gigabyte")
 chunks = pytest.importorskip("rerun.chunk")
@@ -213,6 +214,55 @@ def test_the_sea_the_ordered_depth_and_the_limit_are_drawn(flown: Path) -> None:
         assert down == pytest.approx(-state["eta_wave"][round(2 * when)], rel=1e-6)
     assert next(iter(ordered.values()))[0][0][2] == 100.0
     assert "/world/near/limit" in found
+
+
+AROUND = """
+schema = "exercise/1"
+name = "Around"
+briefing = "A slope and two ships."
+duration_s = 60
+[bottom]
+depth_m = 150
+slope_percent = 10
+deepens_deg = 90
+[[contact]]
+name = "liner"
+type = "ferry"
+points = [[2000, 0]]
+course_deg = 90
+speed_kn = 18
+"""
+
+
+def test_ships_and_the_ground_near_are_drawn(tmp_path: Path) -> None:
+    (tmp_path / "around.toml").write_text(AROUND)
+    order = "30 contact add tug1 tug at 500 -500 course 180 speed 6\n"
+    (tmp_path / "orders.txt").write_text(order)
+    words = ("run", "./around.toml", "--headless", "--speed", "max", "--orders", "orders.txt")
+    done = trainer(*words, "--record", "run.trainer", "--rrd", "live.rrd", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    export_file(tmp_path / "run.trainer", {"rrd": tmp_path / "exported.rrd"}, None)
+    found = contents(tmp_path / "exported.rrd")
+    assert comparable(contents(tmp_path / "live.rrd")) == comparable(found)
+
+    ships = column(found, "/world/ships", ":positions")
+    assert list(ships)[:3] == [0.0, 1.0, 2.0]
+    (liner,), (later, tug) = ships[29.0], ships[60.0]
+    assert liner == pytest.approx([2000.0, 29.0 * 18.0 * KNOT, 0.0])
+    assert later[1] == pytest.approx(60.0 * 18.0 * KNOT)
+    assert tug == pytest.approx([500.0 - 180.0 * KNOT, -500.0, 0.0])
+    labels = column(found, "/world/ships", ":labels")
+    assert labels[60.0] == ["liner 090 18.0 kn", "tug1 180 6.0 kn"]
+    arrows = column(found, "/world/ships/courses", ":vectors")
+    assert arrows[60.0][1] == pytest.approx([-360.0 * KNOT, 0.0, 0.0], abs=1e-3)
+
+    near = column(found, "/world/near", ":translation")
+    ground = column(found, "/world/near/ground", ":vertex_positions")
+    assert ground.keys() == near.keys()
+    for when, points in ground.items():
+        east = near[when][0][1]
+        for point in points[::50]:
+            assert point[2] == pytest.approx(150.0 + 0.1 * (east + point[1]), rel=1e-5)
 
 
 def test_a_run_wound_back_is_one_file_whose_time_goes_on(tmp_path: Path) -> None:

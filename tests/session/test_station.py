@@ -434,6 +434,23 @@ def test_subscribing_again_changes_the_rate_and_sends_nothing_twice(
     assert 2 <= len(helm.said()) <= 3
 
 
+@pytest.mark.parametrize(("wished", "told"), [("", 10), (" at 50 hz", 10), (" at 2 hz", 2)])
+def test_the_view_of_the_periscope_comes_no_faster_than_a_page_shows_it(
+    post: Callable[..., Post], wished: str, told: int
+) -> None:
+    scope = post("scope")
+    scope.type(order_sentence(f"subscribe scope{wished}", "9"))
+    assert f"scope: at most {told} a second" in scope.said()[0]
+    scope.offer(0)
+    scope.said()
+
+    for tick in range(1, 101):
+        scope.now += 0.01
+        scope.offer(tick)
+
+    assert told <= len(scope.said()) <= told + 1
+
+
 def test_unsubscribed_a_channel_comes_no_more(post: Callable[..., Post]) -> None:
     helm = post("helm")
     helm.type("subscribe gauges", "subscribe engine")

@@ -120,8 +120,10 @@ def test_the_crew_has_no_ships_to_order(crewed: Callable[..., Crewed]) -> None:
 
 LIVE = {
     0: "contact add tug1 tug at 60 -40 course 010 speed 12",
+    5: "current set 300 drift 3",
     20: "contact tug1 course 030",
     35: "contact big move 80 60",
+    42: "current set 100 drift 1",
     50: "contact tug1 speed 4",
     80: "contact big remove",
 }
@@ -131,6 +133,7 @@ name = "big"
 type = "tanker"
 points = [[0, 120]]
 speed_kn = 12
+drifts = true
 [contacts]
 force = "on"
 collision = "call"

@@ -1,9 +1,11 @@
 """What the boat's AIS receiver hears of ships near: how often, how far, and with the mast out."""
 
 import math
+import re
 from collections import Counter
 from collections.abc import Callable
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,7 @@ import pytest
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.boat.world.contacts import contacts_in
+from trainer.config.vessel import load_vessel
 from trainer.io.chart import DEFAULT
 from trainer.io.orders.grammar import Order, parse
 from trainer.session.nmea.sentences import InstrumentSet, choose_instruments
@@ -51,12 +54,16 @@ speed_kn = 5
 
 
 class Sailed:
-    """A boat among ships, seen at a tick of its own."""
+    """A boat among ships, seen at a tick of its own. ``scope``: it has BB2's periscope."""
 
-    def __init__(self, folder: Path, depth: float, tables: str = TRAFFIC) -> None:
-        path = folder / "ships.toml"
+    def __init__(
+        self, folder: Path, depth: float, tables: str = TRAFFIC, *, scope: bool = False
+    ) -> None:
+        path, vessel = folder / "ships.toml", folder / "boat.toml"
         path.write_text(f"{HEAD}[initial]\nspeed_kn = 4\ndepth_m = {depth}\n{tables}")
-        plan = plan_run(RunOptions(exercise=str(path)))
+        text = load_vessel("bb2").text
+        vessel.write_text(text if scope else re.sub(r"(?s)\[scope\].*?\n\n", "", text))
+        plan = plan_run(RunOptions(exercise=str(path), vessel=str(vessel)))
         self.boat = Boat(plan.file, plan.method)
         plan.start(self.boat)
         self.reader = StateReader(self.boat, Ledger(plan.method.step).summary)
@@ -77,7 +84,7 @@ class Sailed:
 
 @pytest.fixture
 def sail(tmp_path: Path) -> Callable[..., Sailed]:
-    return lambda *given: Sailed(tmp_path, *given)
+    return partial(Sailed, tmp_path)
 
 
 def read(lines: list[str]) -> list[dict[str, Any]]:
@@ -135,6 +142,25 @@ def test_nothing_is_heard_without_a_mast_out_of_the_water(
 ) -> None:
     sailed = sail(depth)
     assert (antenna(sailed.frame()) > 0.0) == heard
+    assert bool(sailed.heard(120.0)) == heard
+
+
+@pytest.mark.parametrize(
+    ("depth", "words", "heard"),
+    [(17.5, "raise", True), (17.5, "", False), (19.7, "raise", False), (19.2, "raise", True)],
+)
+def test_with_a_periscope_what_is_heard_is_heard_by_its_head(
+    sail: Callable[..., Sailed], depth: float, words: str, *, heard: bool
+) -> None:
+    """BB2's head is 1.9 m over calm water at 17.5 m with the whole mast out, on an even keel."""
+    sailed = sail(depth, scope=True)
+    if words:
+        order = parse(f"scope {words}")
+        assert isinstance(order, Order)
+        obey(sailed.boat, order)
+    assert antenna(sailed.frame(200)) == (
+        pytest.approx(19.45 - depth, abs=0.1) if words else -math.inf
+    )
     assert bool(sailed.heard(120.0)) == heard
 
 

@@ -136,6 +136,24 @@ def test_the_page_s_waves_are_the_session_s(traffic: Served, desk: Caller, look:
     assert all(abs(each) < 1.0 for each in levels)
 
 
+@pytest.mark.parametrize("size", ["4k", "phone"])
+def test_no_more_is_painted_than_the_round_view_needs(
+    traffic: Served, look: Look, size: str
+) -> None:
+    page = opened(look, traffic, size=size)
+    canvas = page.locator("scope-view canvas")
+    box, room = canvas.bounding_box(), page.locator(".glass").bounding_box()
+    assert box
+    assert room
+    side = min(room["width"], room["height"])
+    assert (box["width"], box["height"]) == pytest.approx((side, side), abs=1.0)
+    wide, high, mixed = canvas.evaluate(
+        "(it) => [it.width, it.height, it.getContext('2d').getContextAttributes().alpha]"
+    )
+    assert wide == high == pytest.approx(min(side, 720.0), abs=1.0)
+    assert not mixed
+
+
 def test_a_trainee_s_page_is_told_no_range(traffic: Served, look: Look) -> None:
     page = opened(look, traffic)
     told = page.locator("scope-view").get_attribute("aria-label") or ""

@@ -8,12 +8,14 @@ from typing import Any, Final
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.grounding import clearance
 from trainer.boat.world.encounters import EncounterMonitor
+from trainer.boat.world.scope import periscope_of
 from trainer.config.exercise import Limits
 from trainer.core.sea.free_surface import deck_height, sail_height
 from trainer.units import KNOT
 
 COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
 Z, WAVE, VALIDITY = PLACES["z"], PLACES["eta_wave"], PLACES["validity"]
+SPEED = PLACES["u"]
 NORTHWARD, EASTWARD = PLACES["through_north"], PLACES["through_east"]  # as waves see it
 HEIGHT, OMEGA, DIRECTION, COSINES = (
     PLACES[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
@@ -25,6 +27,7 @@ SETTLED: Final = 30.0  # [s] inside the equations' range before leaving it is ne
 RANGES: Final = ("", "equations extrapolated", "outside the equations")
 FOLLOWED: Final = "followed by a sea that the filter cannot follow"
 CHASED: Final = 0.15  # [-] speed with the waves over that of the peak's, from which it is told
+SHAKEN: Final = "faster than the mast stands"
 FELT: Final = 3.0  # [-] depth times the peak's wave number, above which waves are felt
 REASONS: Final = (
     "",
@@ -106,6 +109,8 @@ class LimitMonitor:
     inside_since: float = 0.0  # [s]
     followed: bool = False  # by a sea, faster than the wave filter is true
     followed_since: float = 0.0  # [s]
+    shaken: bool = False  # the mast of the periscope
+    shaken_since: float = 0.0  # [s]
     encounters: EncounterMonitor = field(default_factory=EncounterMonitor)
     _set: tuple[tuple[str, float], ...] = field(init=False)  # the limits that there are, by name
 
@@ -126,15 +131,17 @@ class LimitMonitor:
         self._passed(boat)
         self._broken_surface(boat)
         self._out_of_range(boat)
+        self._shaking_mast(boat)
 
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to call out after a tick."""
         met = self.encounters.look(boat)
         usual = boat.plain[VALIDITY] == 0.0 and self.validity == 0
         usual = usual and boat.plain[HEIGHT] == 0.0
-        if usual and not self._set and not self.shows and deep(boat):
+        shaking = self._shaking_mast(boat)
+        if usual and not self._set and not self.shows and not shaking and deep(boat):
             return met
-        news = self._out_of_range(boat) + self._passed(boat) + self._broken_surface(boat)
+        news = shaking + self._out_of_range(boat) + self._passed(boat) + self._broken_surface(boat)
         news += self._following_sea(boat)
         for what, _ in news:
             self.times.setdefault(what, []).append(boat.time)
@@ -188,6 +195,19 @@ class LimitMonitor:
             'bands; a sea with generator = "cosines" does not'
         )
         return [(FOLLOWED, said)]
+
+    def _shaking_mast(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return that the mast is out at a speed that it does not stand, if that is news."""
+        scope, speed = periscope_of(boat), float(boat.plain[SPEED])
+        if scope is None or not scope.acts or not scope.shakes(speed, scope.at(boat.ticks)):
+            if boat.time - self.shaken_since > SETTLED:
+                self.shaken = False
+            return []
+        self.shaken_since = boat.time
+        if self.shaken:
+            return []
+        self.shaken = True
+        return [(SHAKEN, f"MAST SHAKES: {scope.too_fast(speed)}; nothing can be measured")]
 
     def _broken_surface(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that sail or deck has come out of the sea, if it has."""

@@ -211,7 +211,7 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
         from trainer.identify.ships.vehicle import fly_ship  # noqa: PLC0415
 
         return fly_ship(ship_file.load_ship(path), name, options)
-    from trainer.identify.steering import steer_ship  # noqa: PLC0415
+    from trainer.analysis.manoeuvres.nomoto_ship import steer_ship  # noqa: PLC0415
 
     ship = steer_ship(path, options["step"])
     return page.fly_vehicle(ship, name, options, ship.speed_kn)

@@ -20,7 +20,7 @@ from trainer.config.schema import (
     usual,
     within,
 )
-from trainer.config.soundings import Grid, Position, on_the_plane, read_grid
+from trainer.config.soundings import Grid, Numbers, Position, between, on_the_plane, read_grid
 from trainer.core.current import north_and_east
 from trainer.io.chart import Chart
 
@@ -172,3 +172,15 @@ def is_charted(bottom: Bottom, north: float, east: float) -> bool:
     rows, columns = grid.values.shape
     i, j = (north - grid.south) / grid.cell[0], (east - grid.west) / grid.cell[1]
     return bool(0.0 <= i <= rows - 1 and 0.0 <= j <= columns - 1)
+
+
+def depths_at(bottom: Bottom, north: Numbers, east: Numbers) -> Numbers:
+    """Return the depths [m] at places [m], beyond a grid's end those of its edge."""
+    grid = bottom.depth
+    i, j = (north - grid.south) / grid.cell[0], (east - grid.west) / grid.cell[1]
+    if bottom.known is None:
+        (here, right), (up, _) = grid.values.tolist()
+        plane: Numbers = here + i * (up - here) + j * (right - here)
+        return plane
+    rows, columns = grid.values.shape
+    return between(grid.values, np.clip(i, 0.0, rows - 1.0), np.clip(j, 0.0, columns - 1.0))

@@ -14,6 +14,7 @@ from trainer.config.files import ConfigError, Place, beside, collecting
 from trainer.config.nomoto import NomotoFile, load_nomoto
 from trainer.config.schema import (
     Choice,
+    Flag,
     Quantity,
     Rows,
     Text,
@@ -181,7 +182,10 @@ class ContactRow:
         Quantity("s", within(0, LATEST), "lies until then; else it has its speed from the start")
     )
     status: str | None = optional(
-        Choice(STATUSES, "for lights and AIS; else its type's, at anchor where it lies")
+        Choice(STATUSES, "for lights and AIS; else its type's; where it lies, at anchor, or adrift")
+    )
+    drifts: bool | None = optional(
+        Flag("the current of 5 m carries it; its way is through the water; else over the ground")
     )
     nomoto: str | None = optional(
         Text(200, "file of an identified ship that steers it; with one point and a course")
@@ -223,8 +227,9 @@ class Contact:
         """Return what it is doing at the start."""
         if self.row.status:
             return self.row.status
-        lies = len(self.row.points) == 1 and not any(self.speeds)
-        return "at anchor" if lies else self.type.status
+        if len(self.row.points) > 1 or any(self.speeds):
+            return self.type.status
+        return "adrift" if self.row.drifts else "at anchor"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -323,13 +328,15 @@ def _faults(contact: Contact) -> list[str]:
 
 
 def _misplaced(contact: Contact) -> list[str]:
-    """Return which keys do not go with the number of way points."""
+    """Return which keys do not go with the number of way points, or with each other."""
     row, place = contact.row, contact.place
     found = []
     if row.course_deg is not None and len(row.points) > 1:
         found.append(place.wrong("course_deg", row.course_deg, "goes with one point alone"))
     if row.nomoto is not None and len(row.points) > 1:
         found.append(place.wrong("nomoto", row.nomoto, "goes with one point and course_deg"))
+    if row.drifts and row.status == "at anchor":
+        found.append(place.wrong("drifts", row.drifts, 'does not go with status = "at anchor"'))
     return found
 
 

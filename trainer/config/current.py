@@ -76,7 +76,7 @@ class Profile:
 
 @dataclass(frozen=True, kw_only=True)
 class Tide:
-    """A current that turns: its tip runs round an ellipse."""
+    """A current that turns: its tip runs round an ellipse, about a mean that stays."""
 
     major_kn: float = of(Quantity("kn", DRIFT, "strongest"))
     minor_kn: float = usual(
@@ -86,6 +86,12 @@ class Tide:
     period_h: float = usual(MOON, Quantity("h", within(1, 1000), f"once round; else {MOON:g}"))
     phase_h: float = usual(
         0.0, Quantity("h", within(-1000, 1000), "since the strongest at the start; else 0")
+    )
+    mean_set_deg: float | None = optional(
+        Quantity("deg", TOWARDS, "true, where the water goes to on the whole; with its drift")
+    )
+    mean_drift_kn: float | None = optional(
+        Quantity("kn", DRIFT, "what is left over a whole period; else nothing is")
     )
 
 
@@ -142,6 +148,11 @@ def _tide_problem(tide: Tide) -> str:
             f"tide minor_kn = {tide.minor_kn:g}: is more than major_kn = {tide.major_kn:g}; "
             "the strongest is the major one"
         )
+    mean = {"mean_set_deg": tide.mean_set_deg, "mean_drift_kn": tide.mean_drift_kn}
+    given = [key for key, value in mean.items() if value is not None]
+    if len(given) == 1:
+        lacking = next(key for key in mean if key not in given)
+        return f"tide has {given[0]} and lacks {lacking}: give both, or neither"
     return ""
 
 

@@ -225,6 +225,9 @@ def read_geotiff(path: Path) -> Grid:
             values = np.asarray(page.asarray(), np.float64)
     except ConfigError:
         raise
+    except ModuleNotFoundError:  # Python's own, which tifffile has for zstd
+        told = f"is compressed by ZSTD, which needs Python 3.14: {CONVERT}"
+        raise ConfigError(f"{path}: {told}") from None
     except Exception as error:  # noqa: BLE001  whatever a damaged file makes of its reader
         raise ConfigError(f"{path}: is no GeoTIFF that can be read: {error}") from None
     return _placed(values, tags, path)

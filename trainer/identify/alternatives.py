@@ -1,14 +1,8 @@
-"""A fitted model is tested against simpler ones of the same record.
+"""Simpler models beside a fit (MI 8.3), and other ships that its record allows.
 
-It has to be worth its parameters. Is it worth its parameters?
-
-(MI 8.3).
-
-Other ships that a record allows: drawn from what it leaves open, and what they do (MI 8.5).
-
-Parameters are drawn from N(estimate, covariance), a lever arm by the moment that it makes: of a
-rudder the record tells force and moment, and their ratio is not normal. A draw that is no model is
-left out, and told.
+They are drawn from what the record leaves open, and run (MI 8.5). Parameters are drawn from
+N(estimate, covariance), a lever arm by the moment that it makes: of a rudder the record tells force
+and moment, and their ratio is not normal. A draw that is no model is left out, and told.
 """
 
 import math

@@ -3,10 +3,12 @@
 y_t + a1 y_(t-1) + ... = b1 u_(t-1) + ... + e_t + c1 e_(t-1) + ..., n coefficients each, and d1 to
 dn in the first n equations where the initial state is estimated.
 
-ARMAX models fitted by maximum likelihood: V = 1/2 sum eps^2 brought to its least (9).
+They are fitted by maximum likelihood, V = 1/2 sum eps^2 brought to its least (9). The order is what
+the record supports, and order 2 has a ship in it.
 """
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, NamedTuple
@@ -16,7 +18,14 @@ from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.armax import combine, filter_by_c, simulate_armax
+from trainer.identify.residuals import (
+    OrderTest,
+    Residuals,
+    aic_of_loss,
+    bic_of_loss,
+    examine_residuals,
+    f_test,
+)
 
 KINDS: Final = ("a", "b", "c", "d")
 
@@ -51,25 +60,29 @@ class Armax:
         """Return the zeros of z^n B."""
         return roots_of(self.b)
 
+    def value(self, name: str) -> float:
+        """Return a coefficient by its name, a1 or another."""
+        found: float = getattr(self, name[0])[int(name[1:]) - 1]
+        return found
+
     def residuals(self, y: Numbers, u: Numbers) -> Numbers:
         """Return the one-step errors eps (N,) of output y and input u, both (N,)."""
-        a, b, c = (np.asarray(part) for part in (self.a, self.b, self.c))
-        w, eps = np.empty_like(y), np.empty_like(y)
-        combine(a, b, y, u, w)
-        w[: len(self.d)] -= np.asarray(self.d)
-        filter_by_c(c, w, eps)
-        return eps
+        left = filtered((1.0, *self.a), (1.0,), y) - filtered((0.0, *self.b), (1.0,), u)
+        left[: len(self.d)] -= self.d
+        return filtered((1.0,), (1.0, *self.c), left)
 
     def simulated(self, u: Numbers, e: Numbers) -> Numbers:
         """Return the output (N,) to input u under white disturbance e, both (N,)."""
-        a, b = np.asarray(self.a), np.asarray(self.b)
-        disturbance = e.copy()
-        for i, c in enumerate(self.c, start=1):
-            disturbance[i:] += c * e[:-i]
-        disturbance[: len(self.d)] += np.asarray(self.d)
-        y = np.empty_like(u)
-        simulate_armax(a, b, u, disturbance, y)
-        return y
+        moved = filtered((0.0, *self.b), (1.0,), u) + filtered((1.0, *self.c), (1.0,), e)
+        moved[: len(self.d)] += self.d
+        return filtered((1.0,), (1.0, *self.a), moved)
+
+
+def filtered(over: Sequence[float], under: Sequence[float], series: Numbers) -> Numbers:
+    """Return a series (N,) times a ratio of polynomials in q^-1, at rest before it."""
+    from scipy.signal import lfilter  # noqa: PLC0415 - an extra, imported on use
+
+    return np.asarray(lfilter(over, under, series))
 
 
 def roots_of(polynomial: tuple[float, ...]) -> tuple[complex, ...]:
@@ -153,31 +166,30 @@ class _Search:
         found[noise] = np.poly(np.append(inside, np.zeros(n - len(inside)))).real[1:]
         return found
 
+    def radius(self, theta: Numbers) -> float:
+        """Return how far out the zeros of C are."""
+        return max(abs(root) for root in (0.0, *roots_of((1.0, *self.model(theta).c))))
+
     def loss(self, theta: Numbers) -> float:
         """Return V; infinite where C has a zero beyond the rim."""
-        model = self.model(theta)
-        if max((abs(root) for root in roots_of((1.0, *model.c))), default=0.0) > RIM + 1e-9:
+        if self.radius(theta) > RIM + 1e-9:
             return float(np.inf)
-        eps = model.residuals(self.y, self.u)
+        eps = self.model(theta).residuals(self.y, self.u)
         value = 0.5 * float(eps @ eps)
         return value if np.isfinite(value) else float(np.inf)
 
     def at_rim(self, theta: Numbers) -> bool:
         """Return whether a zero of C is held at the rim. The loss would fall beyond it."""
-        return max(abs(root) for root in (0.0, *roots_of((1.0, *self.model(theta).c)))) > RIM - 1e-6
+        return self.radius(theta) > RIM - 1e-6
 
     def jacobian(self, theta: Numbers) -> tuple[Numbers, Numbers]:
         """Return eps (N,) and its derivatives (N, sought)."""
         model = self.model(theta)
-        eps, c, n = model.residuals(self.y, self.u), np.asarray(model.c), self.order
+        eps, n = model.residuals(self.y, self.u), self.order
         impulse = np.zeros_like(self.y)
         impulse[0] = -1.0
         sources = (self.y, -self.u, -eps, impulse)
-        bases = []
-        for source in sources:
-            base = np.empty_like(self.y)
-            filter_by_c(c, source, base)
-            bases.append(base)
+        bases = [filtered((1.0,), (1.0, *model.c), source) for source in sources]
         columns = [
             _later(bases[place // n], place % n + (0 if place // n == 3 else 1))
             for place in self.sought
@@ -206,8 +218,6 @@ def fit_armax(
     factors; the best end is taken. ConfigError if the record is too short or has gaps.
     """
     names = coefficient_names(order, initial=initial)
-    if unknown := [name for name in fixed if name not in names]:
-        raise ConfigError(f"no coefficient {unknown[0]}; there are {', '.join(names)}")
     places = np.array([i for i, name in enumerate(names) if name not in fixed], dtype=np.int64)
     if len(y) < 2 * len(places) + order:
         raise ConfigError(f"{len(y)} samples are too few for {len(places)} coefficients")
@@ -285,8 +295,7 @@ def _descend(search: _Search, theta: Numbers) -> _End:
         nearer = _nearer(search, theta, step, loss)
         if nearer is None:
             return _End(theta, rounds, search.at_rim(theta) or expected < NO_NEARER * loss)
-        (theta, lower), before = nearer, loss
-        loss = lower
+        before, (theta, loss) = loss, nearer
         if search.at_rim(theta) and before - loss < SETTLED * loss:
             return _End(theta, rounds, settled=True)
     return _End(theta, ROUNDS, settled=False)
@@ -328,3 +337,121 @@ def _account(search: _Search, end: _End) -> ArmaxFit:
         converged=end.settled,
         inseparable=tuple(name for name, lost in zip(sought, unknown, strict=True) if lost),
     )
+
+
+TREATMENTS: Final = ("none", "mean", "trend")
+CANCELLED: Final = 0.15  # [-] distance of a zero from a pole that it nearly cancels
+
+
+@dataclass(frozen=True)
+class Order:
+    """One order tried."""
+
+    fit: ArmaxFit
+    aic: float
+    bic: float
+    better: OrderTest | None  # than the order before
+    residuals: Residuals
+
+
+@dataclass(frozen=True)
+class Orders:
+    """All orders tried, and which of them the criteria choose."""
+
+    tried: tuple[Order, ...]
+
+    @property
+    def by_aic(self) -> Order:
+        """Return the order of the least AIC."""
+        return min(self.tried, key=lambda order: order.aic)
+
+    @property
+    def by_bic(self) -> Order:
+        """Return the order of the least Schwarz criterion."""
+        return min(self.tried, key=lambda order: order.bic)
+
+    @property
+    def by_test(self) -> Order:
+        """Return the first order whose successor is no improvement at the 5 % level."""
+        for order, following in zip(self.tried, self.tried[1:], strict=False):
+            if following.better is not None and not following.better.prefers_larger:
+                return order
+        return self.tried[-1]
+
+
+def detrend(series: Numbers, treatment: str) -> Numbers:
+    """Return the series as it is, or less its mean or its straight line."""
+    if treatment == "none":
+        return series
+    if treatment == "mean":
+        return np.asarray(series - series.mean())
+    t = np.arange(len(series), dtype=float)
+    return np.asarray(series - np.polyval(np.polyfit(t, series, 1), t))
+
+
+def remove_delay(y: Numbers, u: Numbers, samples: int) -> tuple[Numbers, Numbers]:
+    """Return output and input with a dead time taken out: y earlier by ``samples``."""
+    if samples == 0:
+        return y, u
+    return y[samples:], u[:-samples]
+
+
+def try_orders(y: Numbers, u: Numbers, most: int, *, initial: bool, lags: int) -> Orders:
+    """Return the models of order 1 to ``most``. Output y and input u are (N,)."""
+    tried: list[Order] = []
+    for n in range(1, most + 1):
+        before = tried[-1].fit if tried else None
+        fit = fit_armax(y, u, n, initial=initial, lower=before.model if before else None)
+        left = fit.model.residuals(y, u)
+        better = None
+        if before is not None:
+            pair = (before.loss, before.parameters), (fit.loss, fit.parameters)
+            better = f_test(*pair, len(y))
+        tried.append(
+            Order(
+                fit=fit,
+                aic=aic_of_loss(fit.loss, len(y), fit.parameters),
+                bic=bic_of_loss(fit.loss, len(y), fit.parameters),
+                better=better,
+                residuals=examine_residuals("output", left, u, lags, fitted=2 * n),
+            )
+        )
+    return Orders(tuple(tried))
+
+
+class FirstOrder(NamedTuple):
+    """The first-order Nomoto model K/(1 + T s) in a heading's second-order ARMAX model."""
+
+    K: float  # [1/s]
+    T: float  # [s]
+    pole: float  # [-] per sample
+
+
+def without_wind(model: Armax, interval: float) -> FirstOrder:
+    """Return K and T of rudder to heading (9). A is replaced by (z - 1)(z - p), p = -a1 - 1.
+
+    The other pole is that of heading: 1 without wind. ConfigError unless the order is 2 and p is
+    between 0 and 1.
+    """
+    if model.order != 2:
+        raise ConfigError(f"a first-order ship needs an ARMAX model of order 2, not {model.order}")
+    p = -model.a[0] - 1.0
+    if not 0.0 < p < 1.0:
+        raise ConfigError(f"the pole {p:.3g} per sample is no time constant")
+    gain = sum(model.b) / ((1.0 - p) * interval)
+    return FirstOrder(gain, -interval / math.log(p), p)
+
+
+def rounding_poles(model: Armax) -> tuple[tuple[float, float], ...]:
+    """Return the negative real poles that a zero nearly cancels.
+
+    They show a rounded reading, not a ship.
+    """
+    found = []
+    for pole in model.poles:
+        if abs(pole.imag) > 1e-9 or pole.real >= 0.0:
+            continue
+        near = min(model.zeros, key=lambda zero: abs(zero - pole), default=None)
+        if near is not None and abs(near - pole) < CANCELLED:
+            found.append((pole.real, near.real))
+    return tuple(found)

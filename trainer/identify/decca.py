@@ -179,11 +179,3 @@ def _fix(chain: Chain, reading: Mapping[str, float], last: Point) -> Fix | None:
             nearest = min(places, key=lambda at: math.dist(at, last))
             return Fix(nearest, (one, two))
     return None
-
-
-def convergence(longitude: float, meridian: float, latitude: float) -> float:
-    """Return the angle [rad] from grid north to true north, all [rad].
-
-    Grid heading is true heading less this; a transverse projection's, about its meridian.
-    """
-    return (longitude - meridian) * math.sin(latitude)

@@ -1,15 +1,14 @@
 """A Decca study from its file, and program DECCON carried out over it."""
 
-import csv
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
+from trainer.config.files import ConfigError, Place, collecting, parse_toml, read_text
 from trainer.config.schema import (
     Choice,
     Quantity,
@@ -18,13 +17,14 @@ from trainer.config.schema import (
     above,
     of,
     optional,
-    read_record,
     tables_of,
     within,
 )
 from trainer.config.tables import Table, read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.decca import LETTERS, ZONES, Fix, Point, Slave, lane_number, track
+from trainer.identify.sources import write_columns
+from trainer.identify.study import read_parts
 from trainer.identify.study_records import TURNING
 from trainer.identify.track import (
     Drift,
@@ -33,7 +33,6 @@ from trainer.identify.track import (
     smooth_spencer,
     through_water,
 )
-from trainer.io.atomic_write import replacing
 from trainer.units import KNOT
 
 METRES: Final = within(-1e7, 1e7)
@@ -127,29 +126,16 @@ def load_decca(path: Path) -> DeccaFile:
     """Return the study in a TOML file; ConfigError with all that is wrong."""
     place = Place(path.name, "")
     table = parse_toml(read_text(path), path.name)
-    problems = [
-        place.wrong(key, value, f"no such key{nearest(key, KNOWN)}")
-        for key, value in table.items()
-        if key not in KNOWN
-    ]
-    parts: dict[str, Any] = {"columns": ColumnNames(), "antenna": 0.0}
-    with collecting(problems):
-        own = {key: value for key, value in table.items() if key in KNOWN and key not in TABLES}
-        parts["heading"] = read_record(Heading, own, place, ("note",))
+    records = {"columns": ColumnNames, "ship": ShipTable}
+    parts, problems = read_parts(table, place, (Heading, KNOWN), records)
+    ship, columns = parts.pop("ship"), parts.pop("columns") or ColumnNames()
     with collecting(problems):
         rows = SLAVES.read("slaves", table.get("slaves", []), place)
         parts["chain"] = _chain(rows, place)
-    with collecting(problems):
-        if "columns" in table:
-            inside = place.inside("columns")
-            parts["columns"] = read_record(ColumnNames, table["columns"], inside, ("note",))
-    with collecting(problems):
-        if "ship" in table:
-            inside = place.inside("ship")
-            parts["antenna"] = read_record(ShipTable, table["ship"], inside, ("note",)).antenna_m
     if problems:
         raise ConfigError(*problems)
-    return DeccaFile(path=path, **parts)
+    antenna = ship.antenna_m if ship else 0.0
+    return DeccaFile(path=path, columns=columns, antenna=antenna, **parts)
 
 
 def _chain(rows: tuple[SlaveRow, ...], place: Place) -> dict[str, Slave]:
@@ -288,11 +274,4 @@ def write_track(sailed: Sailed, path: Path) -> None:
     columns |= {"psi": sailed.heading, "r": sailed.yaw_rate, "v": sailed.sway, "u": sailed.ahead}
     if sailed.rudder is not None:
         columns["delta_r"] = sailed.rudder
-    try:
-        with replacing(path) as made, made.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(columns)
-            for row in zip(*columns.values(), strict=True):
-                writer.writerow(["" if math.isnan(x) else repr(float(x)) for x in row])
-    except OSError as error:
-        raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from error
+    write_columns(path, columns)

@@ -1,6 +1,7 @@
 """The parameters of a model give the ship's gains, time constants and stability."""
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -49,8 +50,11 @@ def nomoto_of(model: Model, values: Numbers, ship: Ship) -> Nomoto:
     """
     if model.name not in _KINDS:
         raise ConfigError(f"model {model.name} is no ship with K and T")
-    named = dict(zip(model.names, map(float, values), strict=True))
-    return _KINDS[model.name](named, ship)
+    return _KINDS[model.name](_named(model, values), ship)
+
+
+def _named(model: Model, values: Numbers) -> dict[str, float]:
+    return dict(zip(model.names, map(float, values), strict=True))
 
 
 def _model_1(p: dict[str, float], ship: Ship) -> Nomoto:
@@ -70,8 +74,7 @@ def arms_of(model: Model, values: Numbers, ship: Ship) -> Numbers:
     """Return lever arms and stability margin [m] of Model 1, zero of the others (3.4)."""
     if model.name != "1":
         return np.zeros(4)
-    p = dict(zip(model.names, map(float, values), strict=True))
-    return ship.length * np.array(levers(*_forces(p, ship)))
+    return ship.length * np.array(levers(*_forces(_named(model, values), ship)))
 
 
 def _model_2(p: dict[str, float], ship: Ship) -> Nomoto:
@@ -95,22 +98,17 @@ def _first(K: float, T: float) -> Nomoto:
     return Nomoto(K, complex(T), 0j, 0.0, 0.0, 0.0)
 
 
-def _nomoto_1(p: dict[str, float], ship: Ship) -> Nomoto:
-    del ship
-    return _first(p["K"], p["T"])
-
-
 def _nomoto_2(p: dict[str, float], ship: Ship) -> Nomoto:
     del ship
     found = nomoto(Transfer(p["a1"], p["a2"], 0.0, p["b1"], p["b2"], 0.0, 0.0, 0.0))
     return replace(found, K_v=0.0, T3v=0.0)
 
 
-_KINDS: Final = {
+_KINDS: Final[Mapping[str, Callable[[dict[str, float], Ship], Nomoto]]] = {
     "1": _model_1,
     "2": _model_2,
     "3": _model_3,
-    "nomoto1": _nomoto_1,
+    "nomoto1": lambda p, _: _first(p["K"], p["T"]),
     "nomoto2": _nomoto_2,
 }
 
@@ -119,7 +117,7 @@ def derivatives(model: Model, values: Numbers) -> Numbers:
     """Return the six derivatives of DERIVATIVES in the model's own system. () but for Model 1."""
     if model.name != "1":
         return np.empty(0)
-    p = dict(zip(model.names, map(float, values), strict=True))
+    p = _named(model, values)
     own = [p[name] for name in ("Y_v", "Y_r", "N_v", "N_r", "Y_delta")]
     return np.array([*own, -p["Y_delta"] * p["l_delta"]])
 
@@ -131,7 +129,7 @@ def quantities(plant: Plant, values: Numbers) -> Numbers:
     """
     model = plant.model
     if model.system is not None:
-        return model.system.tell(plant, values)
+        return np.asarray(model.system.tell(plant, values))
     ship_like = nomoto_of(model, values, plant.ship)
     T1, T2 = ship_like.T1, ship_like.T2
     told = [

@@ -14,26 +14,12 @@ from trainer.identify.measurements import Record, samples_of
 from trainer.identify.models import MODELS, UNITS, Plant, Ship
 from trainer.identify.problem import problem_of
 from trainer.identify.sources import Sensors
+from trainer.identify.start_values import ERRORS, STATES, free_names
 from trainer.identify.steering import Steering
 from trainer.identify.uncertainty import propagate, uncertainty
 
 HOPELESS: Final = 100.0  # times a parameter's size: known no better, it is not known at all
 LEVER: Final = 0.25  # [-] of the length: at which the sea's force makes its moment
-FREE: Final = {
-    "1": (
-        *("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta", "Y_0", "N_0"),
-        *("R1_Y", "R1_N", "R2_v1", "R2_r", "R2_psi", "x1_0", "x2_0", "x3_0"),
-    ),
-    "nomoto2": (
-        *("a1", "a2", "b1", "b2", "delta_0", "R1_1", "R1_2", "R2_r", "R2_psi"),
-        *("x1_0", "x2_0", "x3_0"),
-    ),
-}
-READ_BY: Final = {"R2_v1": "sway", "R2_r": "yaw_rate", "R2_psi": "heading"}
-STARTS: Final = {
-    "1": {"x1_0": "sway", "x2_0": "yaw_rate", "x3_0": "heading"},
-    "nomoto2": {"x2_0": "yaw_rate", "x3_0": "heading"},
-}
 
 
 @dataclass(frozen=True)
@@ -68,17 +54,17 @@ def prospect(
     kind = "1" if "sway" in outputs else "nomoto2"
     model = MODELS[kind]
     plant = Plant(model, Ship(steering.length, steering.speed), outputs, record.interval)
-    values = model.vector(**_ship(steering, kind), **_sensors(read.sensors, model.names))
-    for name, channel in STARTS[kind].items():
-        values[model.place(name)] = float(record.column(channel)[0]) * UNITS[channel][1]
+    values = model.vector(**_ship(steering, kind), **_sensors(read.sensors, kind))
+    for name, channel in STATES[kind]:
+        if channel:
+            values[model.place(name)] = float(record.column(channel)[0]) * UNITS[channel][1]
     sea = _sea(steering, kind)
     for name, share in sea.items():
         values[model.place(name)] = share
     density = _density(plant, values, math.radians(read.unrest_deg_s))
     for name in sea:
         values[model.place(name)] *= density
-    free = [name for name in FREE[kind] if READ_BY.get(name, outputs[0]) in outputs]
-    free = [name for name in free if name not in sea or density > 0.0]
+    free = [name for name in free_names(plant, ()) if name not in sea or density > 0.0]
     problem = problem_of(plant, samples_of(record, outputs), values, free)
     known = uncertainty(problem.names, Likelihood(problem).information(problem.start))
     spread = np.sqrt(np.diag(known.covariance)) / np.maximum(np.abs(problem.start), 1.0)
@@ -121,12 +107,10 @@ def _sea(steering: Steering, kind: str) -> dict[str, float]:
     return {"R1_2": 1.0, "R1_1": steering.nomoto.T3**-2}
 
 
-def _sensors(sensors: Sensors, names: tuple[str, ...]) -> dict[str, float]:
-    """Return the variances of what is read, as far as the model reads it."""
-    errors = {
-        name: (sensors.error(channel) * UNITS[channel][1]) ** 2 for name, channel in READ_BY.items()
-    }
-    return {name: value for name, value in errors.items() if name in names}
+def _sensors(sensors: Sensors, kind: str) -> dict[str, float]:
+    """Return the variances of what the model reads."""
+    each = ERRORS[kind].items()
+    return {name: (sensors.error(channel) * UNITS[channel][1]) ** 2 for channel, name in each}
 
 
 def _density(plant: Plant, values: Numbers, rate: float) -> float:

@@ -17,12 +17,14 @@ from trainer.identify.minimise import (
     CLOSE,
     Cost,
     Found,
+    Progress,
     Search,
     judged,
     scipy_search,
     scoring,
     settle,
     stretch,
+    unheard,
 )
 from trainer.identify.problem import Problem
 
@@ -56,17 +58,11 @@ def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
 Minimiser = Callable[[Cost, Numbers, Search], Found]
 
 
-def auto(cost: Cost, theta: Numbers, search: Search) -> Found:
+def by_scoring(cost: Cost, theta: Numbers, search: Search) -> Found:
     """Return the minimum by scoring, then by scipy's minimisers where that is none."""
     problem = stretch(cost, theta)
     eta, steps = scoring(problem, np.zeros(len(theta)), search)
     return settle(problem, eta, search, steps)
-
-
-def alone(cost: Cost, theta: Numbers, search: Search) -> Found:
-    """Return where scoring alone leads."""
-    problem = stretch(cost, theta)
-    return judged(problem, *scoring(problem, np.zeros(len(theta)), search))
 
 
 def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
@@ -77,10 +73,9 @@ def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
 
 
 MINIMISERS: Final[dict[str, Minimiser]] = {
-    "auto": auto,
-    "scoring": alone,
+    "scoring": by_scoring,
     "bfgs": bfgs,
-    "powell": powell,
+    "direct": powell,
 }
 
 
@@ -111,10 +106,8 @@ def estimate(
     """Return the best minimum of ``cost`` from ``theta`` (f,) and from other ``starts``.
 
     Of numbers that mean the same model it has the first, see Problem.folded.
-    ConfigError for an unknown method, or where the cost at ``theta`` is not finite.
+    ConfigError where the cost at ``theta`` is not finite.
     """
-    if method not in MINIMISERS:
-        raise ConfigError(f"minimiser {method!r}: must be one of {', '.join(MINIMISERS)}")
     stretch(cost, theta)  # refuses a variance of nothing
     if not np.isfinite(cost.value(theta)):
         raise ConfigError(
@@ -204,8 +197,8 @@ def _others(cost: Cost, theta: Numbers, starts: Starts) -> Iterator[Numbers]:
             yield begin
 
 
-def keep(path: Path, problem: Problem) -> Callable[[Found], None]:
-    """Return what writes each step of a search to ``path``, whole or not at all."""
+def keep(path: Path, problem: Problem, heard: Progress = unheard) -> Progress:
+    """Return what keeps each step of a search in ``path``, and tells it."""
 
     def write(found: Found) -> None:
         theta = problem.folded(found.theta) * problem.scale
@@ -217,6 +210,7 @@ def keep(path: Path, problem: Problem) -> Callable[[Found], None]:
         part = path.with_name(path.name + ".part")
         part.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
         os.replace(part, path)  # noqa: PTH105 - one call that is atomic on every system
+        heard(found)
 
     return write
 

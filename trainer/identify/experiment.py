@@ -1,11 +1,8 @@
 """Rudder experiments are designed for a boat: the helm's times, and their worth.
 
 Section 10. A sequence excites best with an amplitude small enough to stay linear, each bit held
-0.2 to 0.5 T1, for 20 to 40 T1, read at intervals between T2/2 and T1/5.
-
-Pseudo-random binary sequences, by maximum-length shift registers (section 10).
-
-A boat flown under timed orders in a calm, without ports or clock, as a record.
+0.2 to 0.5 T1, for 20 to 40 T1, read at intervals between T2/2 and T1/5. It is pseudo-random, by
+maximum-length shift registers, and is flown in a calm, without ports or clock, as a record.
 """
 
 import math
@@ -66,13 +63,6 @@ def prbs(bits: int, seed: int = 1) -> Numbers:
 def hold_bits(sequence: Numbers, amplitude: float, samples: int) -> Numbers:
     """Return the sequence times ``amplitude``, each bit held for some samples."""
     return np.repeat(amplitude * sequence, samples)
-
-
-def autocorrelation(sequence: Numbers) -> Numbers:
-    """Return the periodic autocorrelation, 1 at lag 0, for each lag of a period."""
-    spectrum = np.abs(np.fft.fft(sequence)) ** 2
-    own = np.fft.ifft(spectrum).real
-    return np.asarray(own / own[0])
 
 
 LEAD: Final = 30.0  # [s] of straight motion before the first helm
@@ -186,9 +176,9 @@ def remarks(sequence: Sequence, ship: Nomoto, interval: float) -> Iterator[str]:
 class ZigZagTold:
     """The course of a zig-zag of the boat in a calm."""
 
-    reach_s: float | None  # from the first helm to the second
-    period_s: float | None  # from the second helm to the fourth
-    overshoots_deg: tuple[float, ...]
+    reach_s: float | None = None  # from the first helm to the second
+    period_s: float | None = None  # from the second helm to the fourth
+    overshoots_deg: tuple[float, ...] = ()
 
 
 def zigzag_flight(

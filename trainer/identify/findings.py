@@ -54,7 +54,7 @@ def examine(record: Record, ship: Ship | None = None) -> list[Finding]:
     problems = [*_rudder_problems(record), *_unit_problems(record)]
     if problems:
         raise ConfigError(*(f"{record.source}: {problem}" for problem in problems))
-    found = [*record.told, *_intervals(record), *_missing(record), *_jumps(record)]
+    found = [*record.told, *_intervals(record), *_missing_outputs(record), *_jumps(record)]
     found += [*_wrong_sign(record), *_find_feedback(record), *_constant_outputs(record)]
     return [*found, *_spikes(record), *_swing(record), *(_sizes(record, ship) if ship else ())]
 
@@ -63,20 +63,25 @@ def examine_columns(record: Record) -> list[Finding]:
     """Return what may mislead in the columns of a user's own system; ConfigError if unusable."""
     problems, found = [], [*record.told, *_intervals(record)]
     for name, values in record.plain.items():
-        missing = np.isnan(values)
-        count, acts = int(np.count_nonzero(missing)), name in record.driving
-        if count == len(values) or (count and acts):
-            row = record.row(int(np.argmax(missing)))
+        missing = _missing(record, name, values)
+        count, acts = int(np.count_nonzero(np.isnan(values))), name in record.driving
+        if missing and (count == len(values) or acts):
             what = "an input must be known at each row; it is empty" if acts else "has no value"
-            problems.append(f"{record.source}: {Finding(name, row, what)}")
-        elif count:
-            text = f"{count} of {len(values)} values are missing, the first here"
-            found.append(Finding(name, record.row(int(np.argmax(missing))), text))
+            problems.append(f"{record.source}: {replace(missing, text=what)}")
+        elif missing:
+            found.append(missing)
         elif np.ptp(values) == 0.0:
             found.append(Finding(name, 0, f"is {values[0]:g} in all rows"))
     if problems:
         raise ConfigError(*problems)
     return found
+
+
+def _missing(record: Record, name: str, values: Numbers) -> Finding | None:
+    """Return how many values of a column are missing; None if none is."""
+    missing = np.isnan(values)
+    text = f"{np.count_nonzero(missing)} of {len(values)} values are missing, the first here"
+    return Finding(name, record.row(int(np.argmax(missing))), text) if missing.any() else None
 
 
 def unwrap_heading(record: Record) -> Record:
@@ -128,8 +133,7 @@ def _rate_slope(record: Record) -> float | None:
     """Return the yaw rate over the rate of change of the heading [-]; None if that is not known."""
     if record.heading is None or record.yaw_rate is None:
         return None
-    turned = np.diff(np.unwrap(np.nan_to_num(record.heading))) / np.diff(record.t)
-    turned[np.isnan(np.diff(record.heading))] = np.nan
+    turned = replace(record, yaw_rate=None).column("turning")[:-1]
     return _gain(0.5 * (record.yaw_rate[1:] + record.yaw_rate[:-1]), turned)
 
 
@@ -175,17 +179,15 @@ def _intervals(record: Record) -> Iterator[Finding]:
         )
 
 
-def _missing(record: Record) -> Iterator[Finding]:
+def _missing_outputs(record: Record) -> Iterator[Finding]:
     """Yield which outputs have missing values."""
     for channel in OUTPUTS:
         values = getattr(record, channel)
-        if values is None or not (missing := np.isnan(values)).any():
+        if values is None or (found := _missing(record, record.name(channel), values)) is None:
             continue
-        count, first = int(np.count_nonzero(missing)), int(np.argmax(missing))
-        if count == len(values):
+        if np.isnan(values).all():
             raise ConfigError(f"{record.source}: {record.name(channel)}: has no value at all")
-        text = f"{count} of {len(values)} values are missing, the first here"
-        yield Finding(record.name(channel), record.row(first), text)
+        yield found
 
 
 def _jumps(record: Record) -> Iterator[Finding]:
@@ -202,17 +204,6 @@ def _jumps(record: Record) -> Iterator[Finding]:
         row = record.row(int(np.nanargmax(np.abs(record.heading))))
         text = f"{largest:g} rad is {largest / math.tau:.0f} turns: are these degrees?"
         yield Finding(record.name("heading"), row, text)
-
-
-def _rate(record: Record) -> Numbers | None:
-    """Return the yaw rate [rad/s], that of the heading if no rate was recorded."""
-    if record.yaw_rate is not None:
-        return record.yaw_rate
-    if record.heading is None:
-        return None
-    change = np.diff(np.unwrap(np.nan_to_num(record.heading))) / np.diff(record.t)
-    change[np.isnan(np.diff(record.heading))] = np.nan
-    return np.append(change, change[-1])
 
 
 def _wrong_sign(record: Record) -> Iterator[Finding]:
@@ -241,7 +232,7 @@ def positive_turns(record: Record) -> float | None:
 
     None if this cannot be told.
     """
-    rate, rudder = _rate(record), record.column("rudder")
+    rate, rudder = record.turning, record.column("rudder")
     if rate is None:
         return None
     before = np.column_stack([rate[:-1], rudder[:-1], np.ones(len(rate) - 1)])
@@ -266,7 +257,7 @@ def follows_motion(record: Record) -> float | None:
 
     A helmsman or autopilot without an experiment of its own leaves it near 1.
     """
-    rate = _rate(record)
+    rate = record.turning
     if rate is None:
         return None
     rate, rudder = np.nan_to_num(rate), record.column("rudder")
@@ -348,7 +339,7 @@ def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
         mean = float(np.nanmean(record.speed))
         yield from _mistaken(record, "speed", mean / speed if speed else None)
         speed = speed or mean
-    rate, sway = _rate(record), record.sway
+    rate, sway = record.turning, record.sway
     if record.yaw_rate is not None and speed:
         size = float(np.nanstd(record.yaw_rate) / np.std(record.column("rudder")))
         turned = size * ship.length_m / speed

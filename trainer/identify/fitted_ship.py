@@ -1,6 +1,6 @@
 """The Python face of identification: a ship fitted to arrays or a file."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, Unpack, cast, overload
@@ -207,16 +207,32 @@ def _study_of(frame: Mapping[str, Any], given: FitOptions) -> Study:
     return replace(study, path=FRAME, heading=heading, columns=found)
 
 
-def _plotted(shown: Sequence[Panel | Screen], path: str | Path | None) -> "Figure | None":
-    """Return panels as a figure, or draw them to a file."""
-    if path is not None:
-        draw(shown, Path(path))
-        return None
-    require_library("matplotlib", "plot")
-    return figure_of(shown)
+class _Shown:
+    """What every fitted ship shows of itself; ``print`` shows the page of ``trainer identify``."""
+
+    _page: Callable[[], str]
+    _figures: Callable[[], Sequence[Panel | Screen]]
+
+    def summary(self) -> str:
+        """Return the page of ``trainer identify``."""
+        return self._page()
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+    def plot(self, path: str | Path | None = None) -> "Figure | None":
+        """Return matplotlib's figure of all plots, or draw them to a file.
+
+        The file is .png, .svg or .pdf. TrainerError without the extra ``plot``.
+        """
+        if path is not None:
+            draw(self._figures(), Path(path))
+            return None
+        require_library("matplotlib", "plot")
+        return figure_of(self._figures())
 
 
-class FittedShip:
+class FittedShip(_Shown):
     """A ship fitted to a record; ``print`` shows the page of ``trainer identify``.
 
     Gains and time constants are attributes, SI: ``K`` [1/s], ``T1``, ``T2``, ``T3``, ``T`` [s],
@@ -227,6 +243,7 @@ class FittedShip:
         """Take what was identified, and the units of arrays by channel."""
         self._found = found
         self._units = dict(units)
+        self._page, self._figures = lambda: render(found.report), lambda: screens(found)
 
     @property
     def converged(self) -> bool:
@@ -315,20 +332,6 @@ class FittedShip:
         """Return the system and covariance matrices, at the start values and at the estimate."""
         return {one.of: asdict(one) for one in matrices_of(self._found.fitted)}
 
-    def summary(self) -> str:
-        """Return the page of ``trainer identify``."""
-        return render(self._found.report)
-
-    def __repr__(self) -> str:
-        return self.summary()
-
-    def plot(self, path: str | Path | None = None) -> "Figure | None":
-        """Return matplotlib's figure of all plots, or draw them to a file.
-
-        The file is .png, .svg or .pdf. TrainerError without the extra ``plot``.
-        """
-        return _plotted(screens(self._found), path)
-
     def write(self, path: str | Path) -> None:
         """Write the ship as a Nomoto file, which ``trainer manoeuvre`` sails.
 
@@ -341,7 +344,7 @@ class FittedShip:
         Path(path).write_text(text, encoding="utf-8")
 
 
-class ManoeuvringShip:
+class ManoeuvringShip(_Shown):
     """A ship that is not linear, fitted to records; ``print`` shows its page.
 
     It has surge, sway, yaw and heading. Coefficients are accelerations in prime units, after
@@ -353,6 +356,8 @@ class ManoeuvringShip:
         self._found = found
         self._given = given
         self._ship = ship
+        self._page = lambda: ships_page.render(found.report)
+        self._figures = lambda: ships_page.panels(found)
 
     @property
     def converged(self) -> bool:
@@ -404,20 +409,6 @@ class ManoeuvringShip:
             name: sailed[:, i] / scale_of(name, units.get(name)) for i, name in enumerate(names)
         }
         return {"t": trial.t, **found}
-
-    def summary(self) -> str:
-        """Return the page of ``trainer identify``."""
-        return ships_page.render(self._found.report)
-
-    def __repr__(self) -> str:
-        return self.summary()
-
-    def plot(self, path: str | Path | None = None) -> "Figure | None":
-        """Return matplotlib's figure of all plots, or draw them to a file.
-
-        The file is .png, .svg or .pdf. TrainerError without the extra ``plot``.
-        """
-        return _plotted(ships_page.panels(self._found), path)
 
     def write(self, path: str | Path) -> None:
         """Write the ship with its covariance, as a file that ``trainer manoeuvre`` sails."""

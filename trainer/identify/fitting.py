@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,17 +14,19 @@ from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import quantities, quantity_units
 from trainer.identify.estimate import Starts, estimate, keep, resume
-from trainer.identify.innovations import REASONS, chi_square_limits, run_filter
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Record, check_count, samples_of
 from trainer.identify.minimise import Cost, Found, Search
 from trainer.identify.models import MODELS, Model, Plant, Ship
 from trainer.identify.own_systems import NOISE, System, model_of
 from trainer.identify.prediction_error import (
+    REASONS,
     Innovations,
     MultiStep,
+    chi_square_limits,
     no_gain,
     own_gain,
+    run_filter,
     settled_gain,
 )
 from trainer.identify.problem import Problem, Run, problem_of
@@ -42,7 +45,6 @@ from trainer.identify.uncertainty import (
     uncertainty,
 )
 
-METHODS: Final = {"scoring": "auto", "bfgs": "bfgs", "direct": "powell"}
 STEPS: Final = 200
 RESTARTS: Final = 12  # in a row that must not find better, before a fit counts as settled
 FEWEST: Final = 2  # of them, whatever a study says
@@ -63,14 +65,35 @@ class Fitted:
     record: Record
     others: tuple[Record, ...]  # further runs
     ship: Steering | None  # of the vessel file, if there is one
-    problem: Problem
     cost: Cost
     found: Found
     known: Uncertainty
-    told: Spread  # of the quantities
-    quantity_names: tuple[str, ...]
     rejected: tuple[tuple[int, int], ...]  # run and sample screened out
     simulated: bool = False  # nothing was estimated
+
+    @property
+    def problem(self) -> Problem:
+        """Return what was estimated from what."""
+        return self.cost.problem
+
+    @cached_property
+    def quantity_names(self) -> tuple[str, ...]:
+        """Return the names of what follows of the parameters."""
+        return tuple(quantity_units(self.problem.plant.model))
+
+    @cached_property
+    def told(self) -> Spread:
+        """Return what follows of the parameters, and how well; NaN where these are not known."""
+        problem, covariance = self.problem, self.known.covariance
+        told = propagate(
+            lambda free: quantities(problem.plant, problem.whole(free)),
+            self.found.theta,
+            np.nan_to_num(covariance, nan=0.0),
+        )
+        ship = [i for i, name in enumerate(problem.names) if not name.startswith(BOUNDED)]
+        if np.isnan(np.diag(covariance)[ship]).any():
+            return Spread(told.values, np.full_like(told.covariance, math.nan))
+        return told
 
     @property
     def values(self) -> Numbers:
@@ -258,10 +281,10 @@ def fit(
     start, search = problem.start, Search(STEPS, heard)
     if kept is not None:
         start = resume(kept, problem) if kept.exists() else start
-        search = Search(STEPS, _both(heard, keep(kept, problem)))
+        search = Search(STEPS, keep(kept, problem, heard))
     table = table_of(study)
     restarts = RESTARTS if table.restarts is None else max(FEWEST, int(table.restarts))
-    cost, method = cost_of(problem, table), METHODS[table.method or "scoring"]
+    cost, method = cost_of(problem, table), table.method or "scoring"
     found = estimate(cost, start, method, search, Starts(restarts))
     rejected: list[tuple[int, int]] = []
     for _ in range(SCREENINGS if table.reject else 0):
@@ -272,7 +295,8 @@ def fit(
         cost = cost_of(problem, table)
         found = estimate(cost, found.theta, method, search)
     known = _estimate_uncertainty(cost, found.theta)
-    return _fitted((study, record, *others), own, cost, found, known, rejected)
+    outliers = tuple(sorted(rejected))
+    return Fitted(study, record, tuple(others), own, cost, found, known, outliers)
 
 
 def simulate(study: Study, record: Record, others: Sequence[Record] = ()) -> Fitted:
@@ -292,60 +316,8 @@ def simulate(study: Study, record: Record, others: Sequence[Record] = ()) -> Fit
     found = Found(problem.start, value, 0, converged=True)
     shape = uncertainty(problem.names, cost.information(problem.start))
     known = replace(shape, covariance=np.full_like(shape.curvature, math.nan))
-    fitted = _fitted((study, record, *others), own, cost, found, known, rejected)
-    return replace(fitted, simulated=True)
-
-
-def _fitted(
-    seen: tuple[Any, ...],
-    own: Steering | None,
-    cost: Cost,
-    found: Found,
-    known: Uncertainty,
-    rejected: Sequence[tuple[int, int]],
-) -> Fitted:
-    """Return a fit, and what follows of its parameters. ``seen`` is the study and its records."""
-    study, record, *others = seen
-    problem = cost.problem
-    return Fitted(
-        study=study,
-        record=record,
-        others=tuple(others),
-        ship=own,
-        problem=problem,
-        cost=cost,
-        found=found,
-        known=known,
-        told=_derive(problem, found.theta, known.covariance),
-        quantity_names=tuple(quantity_units(problem.plant.model)),
-        rejected=tuple(sorted(rejected)),
-    )
-
-
-def _derive(problem: Problem, theta: Numbers, covariance: Numbers) -> Spread:
-    """Return what follows of the parameters, and how well; not a number where these are not."""
-    plant = problem.plant
-    told = propagate(
-        lambda free: quantities(plant, problem.whole(free)),
-        theta,
-        np.nan_to_num(covariance, nan=0.0),
-    )
-    ship = [i for i, name in enumerate(problem.names) if not name.startswith(BOUNDED)]
-    if np.isnan(np.diag(covariance)[ship]).any():
-        return Spread(told.values, np.full_like(told.covariance, math.nan))
-    return told
-
-
-def _both(
-    first: Callable[[Found], None], second: Callable[[Found], None]
-) -> Callable[[Found], None]:
-    """Return what tells two listeners."""
-
-    def tell(found: Found) -> None:
-        first(found)
-        second(found)
-
-    return tell
+    outliers = tuple(sorted(rejected))
+    return Fitted(study, record, tuple(others), own, cost, found, known, outliers, simulated=True)
 
 
 def screen(

@@ -1,9 +1,7 @@
-"""A record of a ship under helm: times, rudder, measurements, SI and radians.
+"""A record of a ship under helm, as read and as models take it.
 
 The rudder is positive when it turns the ship to port (trailing edge to port), as in the report and
 in the trainer; a source with the other sign says so in the study file.
-
-A record as the models read it: knots and degrees, one row a sample, and what lies between.
 """
 
 from collections.abc import Mapping
@@ -89,6 +87,15 @@ class Record:
             has = ", ".join(self.channels) or "nothing"
             raise ConfigError(f"{self.source}: no {channel} was recorded; there is {has}")
         return values
+
+    @property
+    def turning(self) -> Numbers | None:
+        """Return the yaw rate [rad/s], that of the heading if no rate was recorded."""
+        if self.yaw_rate is not None or self.heading is None:
+            return self.yaw_rate
+        change = np.diff(np.unwrap(np.nan_to_num(self.heading))) / np.diff(self.t)
+        change[np.isnan(np.diff(self.heading))] = np.nan
+        return np.append(change, change[-1])
 
     def name(self, channel: str) -> str:
         """Return the source's word for a channel."""

@@ -329,12 +329,20 @@ def second_derivatives(problem: Stretched, eta: Numbers, size: Numbers) -> Numbe
     known = size > np.finfo(float).tiny
     steps = np.where(known, 1e-3 / np.sqrt(np.where(known, size, 1.0)), 1e-6)
     steps = np.where(problem.bounded, np.minimum(steps, 1e-2), steps)
-    columns = []
-    for place, step in enumerate(steps):
-        aside = np.zeros_like(eta)
-        aside[place] = step
-        plus, minus = problem.slope(eta + aside)[1], problem.slope(eta - aside)[1]
-        columns.append((plus - minus) / (2.0 * step))
+    return curvature(lambda at: problem.slope(at)[1], eta, steps, np.ones_like(steps))
+
+
+def curvature(
+    slope: Callable[[Numbers], Numbers], at: Numbers, steps: Numbers, back: Numbers
+) -> Numbers:
+    """Return second derivatives (f, f) by differences of a gradient, ``steps`` (f,) ahead.
+
+    And ``back`` (f,) of a step behind.
+    """
+    columns = [
+        (slope(at + aside) - slope(at - one * aside)) / ((1.0 + one) * step)
+        for aside, step, one in zip(np.diag(steps), steps, back, strict=True)
+    ]
     found = np.column_stack(columns)
     return np.asarray(0.5 * (found + found.T))
 
@@ -396,15 +404,10 @@ def settle(problem: Stretched, eta: Numbers, search: Search, steps: int = 0) -> 
             eta, more = scipy_search(problem, eta, POLISH[turn % len(POLISH)], search)
         steps += more
         verdict = judge(problem, eta)
-    return _place(problem, eta, steps, verdict)
+    return judged(problem, eta, steps, verdict)
 
 
-def judged(problem: Stretched, eta: Numbers, steps: int) -> Found:
-    """Return the place ``eta`` as it was found, judged."""
-    return _place(problem, eta, steps, judge(problem, eta))
-
-
-def _place(problem: Stretched, eta: Numbers, steps: int, verdict: Verdict) -> Found:
-    """Return a place that was judged."""
-    theta = problem.theta(eta)
+def judged(problem: Stretched, eta: Numbers, steps: int, verdict: Verdict | None = None) -> Found:
+    """Return the place ``eta`` as it was found, judged, if it was not yet."""
+    verdict, theta = verdict or judge(problem, eta), problem.theta(eta)
     return Found(theta, problem.cost.value(theta), steps, not verdict.doubt, verdict.doubt)

@@ -5,7 +5,7 @@ outputs are in knots, degrees and degrees a second, states in m/s, rad/s and rad
 taken by magnitude, correlations and the time lag by sine, so that no number is out of bounds.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final
@@ -47,37 +47,22 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Own:
-    """The names of a user's own system, and the numbers that follow from its parameters."""
-
-    inputs: tuple[str, ...]
-    units: Mapping[str, str]  # of outputs
-    first: tuple[str, ...]  # parameters of the first state alone
-    pairs: tuple[tuple[str, str], ...]  # first state and its variance
-    quantities: Mapping[str, str]  # that follow from the parameters, and their units
-    tell: Callable[["Plant", Numbers], Numbers]  # these numbers
-
-
-@dataclass(frozen=True)
 class Model:
     """A family of linear systems: ``assemble`` fills the matrices, see kernels.ship_models.
 
-    ``start`` and ``start_covariance`` are the first places of x(t0) and P(t0) in the parameters.
     ``given`` are other numbers that the first parameters follow from, all of them, by ``follow``.
-    ``system`` is what a user's own one tells instead of a ship.
+    ``system`` is a user's own one, which is no ship.
     """
 
     name: str
     parameters: tuple[Parameter, ...]
     outputs: tuple[str, ...]
     states: int
-    inputs: int
     assemble: Callable[..., Any]
-    start: int = 0
-    start_covariance: int = 0
+    inputs: int = 1
     given: tuple[str, ...] = ()
     follow: Callable[..., tuple[float, ...]] | None = None
-    system: Own | None = None
+    system: Any = None  # an own_systems.System
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -91,7 +76,7 @@ class Model:
         They are the first state, and the steady forces of wind and residual helm.
         """
         if self.system is not None:
-            return self.system.first
+            return tuple(self.system.only_in({"x0"}))
         states = (f"x{i}_0" for i in range(1, 1 + self.states))
         return tuple(name for name in (*states, *STEADY) if name in self.names)
 
@@ -99,15 +84,14 @@ class Model:
     def paired(self) -> tuple[tuple[str, str], ...]:
         """Return each initial state with its variance."""
         if self.system is not None:
-            return self.system.pairs
-        places = (self.start, self.start_covariance)
-        return tuple(
-            (self.names[places[0] + i], self.names[places[1] + i]) for i in range(self.states)
-        )
+            return tuple(self.system.pairs)
+        return tuple((f"x{i}_0", f"P{i}{i}") for i in range(1, 1 + self.states))
 
     def unit(self, output: str) -> str:
         """Return the unit of an output."""
-        return UNITS[output][0] if self.system is None else self.system.units[output]
+        if self.system is None:
+            return UNITS[output][0]
+        return str(self.system.units[self.outputs.index(output)])
 
     def place(self, name: str) -> int:
         """Return a parameter's place, by name or as theta1, theta2, ...; ConfigError if none."""
@@ -263,10 +247,7 @@ MODEL_1: Final = Model(
     ),
     CHANNELS,
     3,
-    1,
     ship_models.model_1,
-    24,
-    27,
 )
 
 MODEL_2: Final = Model(
@@ -288,10 +269,7 @@ MODEL_2: Final = Model(
     ),
     ("sway",),
     3,
-    1,
     ship_models.model_2,
-    17,
-    20,
 )
 
 MODEL_3: Final = Model(
@@ -313,10 +291,7 @@ MODEL_3: Final = Model(
     ),
     ("yaw_rate", "heading"),
     3,
-    1,
     ship_models.model_3,
-    14,
-    17,
 )
 
 NOMOTO_1: Final = Model(
@@ -335,10 +310,7 @@ NOMOTO_1: Final = Model(
     ),
     ("yaw_rate", "heading"),
     2,
-    1,
     ship_models.nomoto_first,
-    7,
-    9,
 )
 
 NOMOTO_2: Final = Model(
@@ -359,12 +331,9 @@ NOMOTO_2: Final = Model(
     ),
     ("yaw_rate", "heading"),
     3,
-    1,
     ship_models.nomoto,
-    10,
-    13,
-    ("K", "T1", "T2", "T3"),
-    rate_coefficients,
+    given=("K", "T1", "T2", "T3"),
+    follow=rate_coefficients,
 )
 
 MODELS: Final = {m.name: m for m in (MODEL_1, MODEL_2, MODEL_3, NOMOTO_1, NOMOTO_2)}

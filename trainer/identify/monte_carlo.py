@@ -79,7 +79,7 @@ def one_run(problem: Problem, truth: Numbers, seed: int) -> Run:
     """Return what is found from the record of ``seed``, estimated from the problem's values."""
     stream = np.random.Generator(np.random.PCG64(seed))
     cost = Likelihood(problem.on(draw_outputs(problem, truth, stream)))
-    found = estimate(cost, problem.start, "auto", Search())
+    found = estimate(cost, problem.start, "scoring", Search())
     known = uncertainty(problem.names, cost.information(found.theta))
     return Run(
         seed,

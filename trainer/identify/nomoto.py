@@ -10,7 +10,6 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 
 GRAVITY: Final = 9.81  # [m/s^2] in the bis system
@@ -159,25 +158,10 @@ class Scale(NamedTuple):
 
 
 def scale(system: str, length: float, speed: float) -> Scale:
-    """Return the units of "prime", "bis" or "si" (3.6); ConfigError for another word."""
+    """Return the units of "prime", "bis" or "si" (3.6)."""
     if system == "prime":
         return Scale(length / speed, speed, length)
     if system == "bis":
         time = math.sqrt(length / GRAVITY)
         return Scale(time, length / time, length)
-    if system == "si":
-        return Scale(1.0, 1.0, 1.0)
-    raise ConfigError(f"system {system!r}: must be prime, bis or si")
-
-
-def convert_units(found: Nomoto, own: Scale, wanted: Scale) -> Nomoto:
-    """Return ``found`` in other units: K in 1/time, T in time, K_v in speed."""
-    time, speed = own.time / wanted.time, own.speed / wanted.speed
-    return Nomoto(
-        K=found.K / time,
-        T1=found.T1 * time,
-        T2=found.T2 * time,
-        T3=found.T3 * time,
-        K_v=found.K_v * speed,
-        T3v=found.T3v * time,
-    )
+    return Scale(1.0, 1.0, 1.0)

@@ -4,7 +4,6 @@ A file is of a Nomoto ship or of a vessel. Series and matrices are the listings 
 report's programs (MI 13).
 """
 
-import csv
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,15 +17,14 @@ from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import nomoto_of
 from trainer.identify.fitting import Fitted
-from trainer.identify.innovations import Shown, no_limits, run_filter
 from trainer.identify.measurements import Record
 from trainer.identify.models import UNITS
 from trainer.identify.nonlinear import Bend, predict
-from trainer.identify.prediction_error import Innovations
+from trainer.identify.prediction_error import Innovations, Shown, no_limits, run_filter
 from trainer.identify.problem import Problem
+from trainer.identify.sources import write_columns
 from trainer.identify.steering import averages, coefficients, limits, rewritten
-from trainer.identify.validation import alone, deterministic
-from trainer.io.atomic_write import replacing
+from trainer.identify.validation import alone
 from trainer.units import DEGREE, KNOT
 
 RUDDER_LIMIT = 35.0  # [deg] of many ships, where no vessel file tells
@@ -133,14 +131,12 @@ def errors_of(fitted: Fitted, number: int = 0) -> Shown:
     run = run_filter(problem, theta, no_limits(len(problem.plant.outputs)))
     if not isinstance(cost, Innovations):
         return run
-    errors = cost.errors(fitted.found.theta, number)
+    states, errors = cost.shown(fitted.found.theta, number)
     whole = errors[~np.isnan(errors).any(axis=1)]
     R = whole.T @ whole / len(whole)
-    gains = cost.gains(problem, problem.sampled(theta).as_complex())
-    driven = np.nan_to_num(errors) @ np.asarray(gains)[0].real.T
     return replace(
         run,
-        states=deterministic(problem, theta, driven)[:, : driven.shape[1]],
+        states=states,
         predictions=problem.samples.outputs - errors,
         errors=errors,
         spreads=np.tile(R, (len(errors), 1, 1)),
@@ -257,18 +253,13 @@ def series_of(fitted: Fitted, number: int = 0) -> dict[str, Numbers]:
 def write_series(fitted: Fitted, path: Path) -> None:
     """Write the columns of a fit as CSV; ConfigError if it cannot be."""
     runs = [series_of(fitted, number) for number in range(len(fitted.problem.runs))]
-    names = [*(["run"] if fitted.others else []), *runs[0]]
-    try:
-        with replacing(path) as made, made.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(names)
-            for number, columns in enumerate(runs, 1):
-                nothing = np.full(len(columns["t_s"]), math.nan)
-                told = {"run": np.full(len(nothing), float(number)), **columns}
-                for row in np.column_stack([told.get(name, nothing) for name in names]):
-                    writer.writerow(["" if math.isnan(x) else f"{x:.10g}" for x in row])
-    except OSError as error:
-        raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from error
+    sizes = [len(columns["t_s"]) for columns in runs]
+    found = {"run": np.repeat(np.arange(1.0, 1 + len(runs)), sizes)} if fitted.others else {}
+    for name in runs[0]:
+        parts = zip(runs, sizes, strict=True)
+        whole = [columns.get(name, np.full(size, math.nan)) for columns, size in parts]
+        found[name] = np.concatenate(whole)
+    write_columns(path, found, ".10g")
 
 
 @dataclass(frozen=True)
@@ -346,13 +337,14 @@ def _final(fitted: Fitted, theta: Numbers) -> dict[str, Any]:
         gains = cost.gains(problem, problem.sampled(theta).as_complex())
         return {} if gains is None else {"K": gains[0].real.tolist()}
     mean, noise, start = problem.sampled(theta).at(0)
-    n, P, readings = len(start), start[:, 1:], problem.samples.outputs
-    K, R = np.zeros((n, readings.shape[1])), np.zeros((0, 0))
-    for row, which in zip(readings, problem.samples.steps[1], strict=True):
-        W = mean[which][:, :n]
-        J = W @ P @ W.T + noise[which]
-        there = n + np.flatnonzero(~np.isnan(row))
-        R, K = J[n:, n:], np.zeros_like(K)
-        K[:, there - n] = np.linalg.solve(J[np.ix_(there, there)], J[there, :n]).T
-        P = J[:n, :n] - K @ J[n:, :n]
-    return {"K": K.tolist(), "R": R.tolist(), "P": P.tolist()}
+    run, which = (
+        run_filter(problem, theta, no_limits(len(problem.plant.outputs))),
+        problem.samples.steps[1][-1],
+    )
+    n, W = len(start), mean[which][:, : len(start)]
+    J = W @ run.covariances[-1] @ W.T + noise[which]
+    there = n + np.flatnonzero(~np.isnan(problem.samples.outputs[-1]))
+    K = np.zeros((n, len(J) - n))
+    K[:, there - n] = np.linalg.solve(J[np.ix_(there, there)], J[there, :n]).T
+    P = J[:n, :n] - K @ J[n:, :n]
+    return {"K": K.tolist(), "R": run.spreads[-1].tolist(), "P": P.tolist()}

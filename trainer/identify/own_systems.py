@@ -10,8 +10,9 @@ Numbers are in the units of the record's columns. A Python file is a program: wh
 import math
 import runpy
 from collections import namedtuple
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,7 +21,8 @@ import numpy as np
 from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import Entries
-from trainer.identify.models import Model, Own, Parameter, Plant
+from trainer.identify.models import Model, Parameter, Plant
+from trainer.identify.sampled import STEP, aside
 
 Matrices = dict[str, Entries]  # by name, (b, rows, columns)
 Function = Callable[[Entries], Matrices]
@@ -29,7 +31,6 @@ ORDER: Final = ("A", "B", "C", "D", "R1", "R2", "x0", "P0")  # of a function's t
 NAMES: Final = (*ORDER, "f", "d", "R12", "K")
 NOISE: Final = {"R1", "R2", "R12", "P0"}
 LARGEST: Final = 20  # states, inputs, outputs
-STEP: Final = 1e-100  # imaginary part that carries a derivative
 STRAY: Final = 1e-50  # beyond which an imaginary part is none: a root of a negative number
 SAME: Final = 1e-4  # [-] of the largest slope, that a program's own slopes must agree to
 EMPTY: Final[Numbers] = np.zeros((0, 0))
@@ -62,6 +63,90 @@ class System:
         """Return the parameters that nothing beside these matrices depends on."""
         return tuple(name for name, found in self.touched.items() if found and found <= matrices)
 
+    @cached_property
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """Return first state and its variance, where each is a parameter alone."""
+        found, names = self.matrices(aside(self.starts)), list(self.touched)
+        pairs = []
+        for i in range(self.states):
+            alone = [
+                names[k]
+                for key, j in (("x0", 0), ("P0", i))
+                for k in (np.flatnonzero(found[key][1:, i, j].imag) if key in found else ())
+            ]
+            if len(alone) == 2:
+                pairs.append((alone[0], alone[1]))
+        return tuple(pairs)
+
+    def assemble(
+        self,
+        theta: Entries,
+        ship: Numbers,
+        drift: Entries,
+        noise: Entries,
+        start: Entries,
+        lag: Entries,
+    ) -> Entries | None:
+        """Write the blocks, see kernels.sampling; return the gain (b, x, y) if it has one."""
+        del ship, lag
+        x, u = self.states, self.states + len(self.inputs)
+        bounded = [i for i, one in enumerate(self.parameters) if one.kind != "free"]
+        theta = theta.copy()
+        theta[:, bounded] = np.where(
+            theta[:, bounded].real < 0.0, -theta[:, bounded], theta[:, bounded]
+        )
+        found = {key: _proper(one) for key, one in self.matrices(theta).items()}
+        places = {
+            "A": (drift, slice(x), slice(x)),
+            "B": (drift, slice(x), slice(x, u)),
+            "f": (drift, slice(x), slice(u, None)),
+            "C": (drift, slice(x, None), slice(x)),
+            "D": (drift, slice(x, None), slice(x, u)),
+            "d": (drift, slice(x, None), slice(u, None)),
+            "R1": (noise, slice(x), slice(x)),
+            "R2": (noise, slice(x, None), slice(x, None)),
+            "x0": (start, slice(None), slice(1)),
+            "P0": (start, slice(None), slice(1, None)),
+        }
+        for key, (out, rows, columns) in places.items():
+            if key in found:
+                out[:, rows, columns] = found[key]
+        if "R12" in found:
+            noise[:, :x, x:] = found["R12"]
+            noise[:, x:, :x] = found["R12"].swapaxes(1, 2)
+        return found.get("K")
+
+    @cached_property
+    def quantities(self) -> dict[str, str]:
+        """Return what ``tell`` tells, and units."""
+        found = {"1/T1": "1/s"}
+        for i in range(1, 1 + self.states):
+            found |= {f"T{i}": "s", f"period {i}": "s"}
+        for output, unit in zip(self.outputs, self.units, strict=True):
+            found |= {f"{name} to {output}": unit for name in self.inputs}
+        return found
+
+    def tell(self, plant: Plant, values: Numbers) -> Numbers:
+        """Return -Re of the slowest root, T and period of each, and steady gains.
+
+        The period is 0 of a root that is one with the one before.
+        """
+        drift, x = np.nan_to_num(plant.blocks(values[None]).drift[0]), self.states
+        A, B, C, D = drift[:x, :x], drift[:x, x:-1], drift[x:, :x], drift[x:, x:-1]
+        roots = np.linalg.eigvals(A)
+        if self.discrete:
+            with np.errstate(all="ignore"):
+                roots, A = np.log(roots + 0j) / plant.period, A - np.eye(x)
+        roots = roots[np.lexsort((-roots.imag, -roots.real))]
+        found = [-roots[0].real]
+        for root in roots:
+            second = root.imag < 0.0
+            slow = -1.0 / root.real if root.real else math.inf
+            found += [0.0 if second else slow, 0.0 if root.imag <= 0.0 else math.tau / root.imag]
+        regular = np.linalg.matrix_rank(A) == len(A)
+        gain = D - C @ np.linalg.solve(A, B) if regular else np.full_like(D, math.nan)
+        return np.array([*found, *gain.ravel()])
+
 
 def check_names(path: Path, names: Sequence[str]) -> None:
     """Check the names of parameters; ConfigError naming the first that is none."""
@@ -74,10 +159,7 @@ def check_names(path: Path, names: Sequence[str]) -> None:
 
 
 def load_program(path: Path) -> System:
-    """Return the system of a Python file, which is run.
-
-    ConfigError if it fails or lacks a part.
-    """
+    """Return the system of a Python file, which is run. ConfigError if it fails or lacks a part."""
     try:
         told = runpy.run_path(str(path))
     except OSError as error:
@@ -200,11 +282,6 @@ def _stepped(function: _Programmed, start: Numbers) -> tuple[Function, str]:
     return (lambda theta: _by_differences(function, theta)), "differences"
 
 
-def aside(theta: Numbers) -> Entries:
-    """Return ``theta`` (n,), and below it a row with an imaginary step in each."""
-    return np.vstack([theta, theta + 1j * STEP * np.eye(len(theta))])
-
-
 def _by_differences(function: _Programmed, theta: Entries) -> Matrices:
     """Return matrices whose imaginary parts are central differences, where ``theta`` has any."""
     found = function(np.ascontiguousarray(theta.real))
@@ -287,83 +364,15 @@ def with_kinds(system: System) -> System:
 
 def model_of(system: System) -> Model:
     """Return the model of a system, which the estimation takes like any other."""
-    own = Own(
-        inputs=system.inputs,
-        units=dict(zip(system.outputs, system.units, strict=True)),
-        first=system.only_in({"x0"}),
-        pairs=tuple(_pairs(system)),
-        quantities=dict(_quantity_units(system)),
-        tell=_tell_discrete if system.discrete else _tell,
-    )
-    count = len(system.inputs)
     return Model(
         "own",
         system.parameters,
         system.outputs,
         system.states,
-        count,
-        _Assembled(system),
-        system=own,
+        system.assemble,
+        inputs=len(system.inputs),
+        system=system,
     )
-
-
-def _pairs(system: System) -> Iterator[tuple[str, str]]:
-    """Yield first state and its variance, where each is a parameter alone."""
-    found, names = system.matrices(aside(system.starts)), list(system.touched)
-    for i in range(system.states):
-        alone = []
-        for key, j in (("x0", 0), ("P0", i)):
-            if key in found:
-                slopes = found[key][1:, i, j].imag / STEP
-                alone += [names[k] for k in np.flatnonzero(slopes)] if slopes.any() else []
-        if len(alone) == 2:
-            yield alone[0], alone[1]
-
-
-@dataclass(frozen=True, eq=False)
-class _Assembled:
-    """What fills the blocks of a plant with a system's matrices."""
-
-    system: System
-
-    def __call__(
-        self,
-        theta: Entries,
-        ship: Numbers,
-        drift: Entries,
-        noise: Entries,
-        start: Entries,
-        lag: Entries,
-    ) -> Entries | None:
-        """Write the blocks, see kernels.sampling; return the gain (b, x, y) if it has one."""
-        del ship, lag
-        system, x = self.system, self.system.states
-        bounded = [i for i, one in enumerate(system.parameters) if one.kind != "free"]
-        theta = theta.copy()
-        theta[:, bounded] = np.where(
-            theta[:, bounded].real < 0.0, -theta[:, bounded], theta[:, bounded]
-        )
-        found = {key: _proper(one) for key, one in system.matrices(theta).items()}
-        u = x + len(system.inputs)
-        places = {
-            "A": (drift, slice(x), slice(x)),
-            "B": (drift, slice(x), slice(x, u)),
-            "f": (drift, slice(x), slice(u, None)),
-            "C": (drift, slice(x, None), slice(x)),
-            "D": (drift, slice(x, None), slice(x, u)),
-            "d": (drift, slice(x, None), slice(u, None)),
-            "R1": (noise, slice(x), slice(x)),
-            "R2": (noise, slice(x, None), slice(x, None)),
-            "x0": (start, slice(None), slice(1)),
-            "P0": (start, slice(None), slice(1, None)),
-        }
-        for key, (out, rows, columns) in places.items():
-            if key in found:
-                out[:, rows, columns] = found[key]
-        if "R12" in found:
-            noise[:, :x, x:] = found["R12"]
-            noise[:, x:, :x] = found["R12"].swapaxes(1, 2)
-        return found.get("K")
 
 
 def _proper(matrix: Entries) -> Entries:
@@ -371,46 +380,3 @@ def _proper(matrix: Entries) -> Entries:
     if not np.iscomplexobj(matrix):
         return matrix
     return np.where(np.abs(matrix.imag) > STRAY, math.nan, matrix)
-
-
-def _quantity_units(system: System) -> Iterator[tuple[str, str]]:
-    """Yield what is told of a system, and units."""
-    yield "1/T1", "1/s"
-    for i in range(1, 1 + system.states):
-        yield f"T{i}", "s"
-        yield f"period {i}", "s"
-    for output, unit in zip(system.outputs, system.units, strict=True):
-        yield from ((f"{name} to {output}", unit) for name in system.inputs)
-
-
-def _tell(plant: Plant, values: Numbers) -> Numbers:
-    """Return the numbers of a continuous system: time constants, periods and steady gains."""
-    A, B, C, D = _system(plant, values)
-    return _told(np.linalg.eigvals(A), A, B, C, D)
-
-
-def _tell_discrete(plant: Plant, values: Numbers) -> Numbers:
-    """Return those of a discrete one."""
-    A, B, C, D = _system(plant, values)
-    with np.errstate(all="ignore"):
-        roots = np.log(np.linalg.eigvals(A) + 0j) / plant.period
-    return _told(roots, A - np.eye(len(A)), B, C, D)
-
-
-def _system(plant: Plant, values: Numbers) -> tuple[Numbers, Numbers, Numbers, Numbers]:
-    """Return A, B, C and D; zeros where they are no numbers."""
-    drift, x = np.nan_to_num(plant.blocks(values[None]).drift[0]), plant.model.states
-    return drift[:x, :x], drift[:x, x:-1], drift[x:, :x], drift[x:, x:-1]
-
-
-def _told(roots: Entries, A: Numbers, B: Numbers, C: Numbers, D: Numbers) -> Numbers:
-    """Return -Re of the slowest root, then T and period of each (0: one with the one before)."""
-    roots = roots[np.lexsort((-roots.imag, -roots.real))]
-    found = [-roots[0].real]
-    for root in roots:
-        second = root.imag < 0.0
-        slow = -1.0 / root.real if root.real else math.inf
-        found += [0.0 if second else slow, 0.0 if root.imag <= 0.0 else math.tau / root.imag]
-    regular = np.linalg.matrix_rank(A) == len(A)
-    gain = D - C @ np.linalg.solve(A, B) if regular else np.full_like(D, math.nan)
-    return np.array([*found, *gain.ravel()])

@@ -1,4 +1,4 @@
-"""Losses of predictors: output error, innovations with a gain, several steps ahead (MI 6.2-6.4).
+"""Predictors by sample, and their losses: output error, innovations, several steps (MI 6.2-6.5).
 
 Every cost is minus a log-likelihood, with the errors' covariance concentrated out where the model
 does not give it: its second derivatives are the inverse covariance of the estimates (MI 8.3).
@@ -7,17 +7,96 @@ does not give it: its second derivatives are the inverse covariance of the estim
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.prediction import multi_step, run_with_gain, settle
+from trainer.identify.kernels.covariance_filter import COUNTED, run_predictor, settle, show
+from trainer.identify.kernels.kernel import Entries
 from trainer.identify.kernels.sampling import Complexes
 from trainer.identify.likelihood import LOG_2_PI, Likelihood, possible
+from trainer.identify.measurements import Samples
 from trainer.identify.problem import Problem
 from trainer.identify.sampled import STEP, Sampled
+
+REASONS: Final = ("counted", "missing", "rejected", "singular")
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """The filter's run over a record; errors are NaN where a reading is missing."""
+
+    states: Numbers  # (n, x) predicted from the samples before, SI
+    predictions: Numbers  # (n, y)
+    errors: Numbers  # (n, y) reading less prediction
+    covariances: Numbers  # (n, x, x) P of the states
+    spreads: Numbers  # (n, y, y) R, their covariance
+    squares: Numbers  # (n,) error' R^-1 error
+    flags: NDArray[np.int64]  # (n,) places in REASONS
+
+    @property
+    def counted(self) -> NDArray[np.bool_]:
+        """Return which samples the losses are made of (n,)."""
+        return np.asarray(self.flags == int(COUNTED))
+
+    @property
+    def standardised(self) -> Numbers:
+        """Return errors divided by the Cholesky factor of R (n, y). NaN where one is missing."""
+        found = np.full_like(self.errors, np.nan)
+        whole = self.counted & ~np.isnan(self.errors).any(axis=1)
+        roots = np.linalg.cholesky(self.spreads[whole])
+        found[whole] = np.linalg.solve(roots, self.errors[whole][..., None])[..., 0]
+        return found
+
+
+def no_limits(readings: int) -> Numbers:
+    """Return limits (y+1,) that reject nothing."""
+    return np.full(readings + 1, np.inf)
+
+
+def chi_square_limits(probability: float, readings: int) -> Numbers:
+    """Return limits (y+1,): a good sample is beyond its own with ``probability`` (MI 6.5).
+
+    By the chi-square distribution with as many degrees of freedom as there are readings.
+    """
+    from scipy.special import chdtri  # noqa: PLC0415 - an extra, imported on use
+
+    return np.array([math.inf, *(chdtri(count, probability) for count in range(1, readings + 1))])
+
+
+def run_filter(problem: Problem, theta: Numbers, limits: Numbers) -> Shown:
+    """Return the filter's run with ``theta`` (f,); ``limits`` (y+1,) as chi_square_limits."""
+    return filtered(problem.sampled(theta).at(0), problem.samples, limits)
+
+
+def filtered(system: tuple[Entries, Entries, Entries], samples: Samples, limits: Numbers) -> Shown:
+    """Return the filter's run by a system's mean, noise and start; complex as they are."""
+    (count, readings), states = samples.outputs.shape, len(system[2])
+    rows, kind = states + readings, system[0].dtype
+    out = np.empty((count, rows + readings + 2), kind)
+    covariances = np.empty((count, states, states), kind)
+    spreads = np.empty((count, readings, readings), kind)
+    show(system, samples.table, samples.steps[1], limits, (out, covariances, spreads))
+    return Shown(
+        out[:, :states],
+        out[:, states:rows],
+        out[:, rows : rows + readings],
+        covariances,
+        spreads,
+        out[:, -2],
+        out[:, -1].real.astype(np.int64),
+    )
+
+
+def loss_1(errors: Numbers) -> float:
+    """Return V1 = (1/n) log det of the sum of error error' (6.3)."""
+    whole = errors[~np.isnan(errors).any(axis=1)]
+    sign, size = np.linalg.slogdet(whole.T @ whole)
+    return float(size) / len(whole) if len(whole) and sign > 0.0 else math.nan
+
 
 Gains = Callable[[Problem, Sampled], Complexes | None]
 
@@ -97,14 +176,15 @@ class Innovations:
         scale = self.problem.scale
         return np.asarray(standard @ standard.T * np.outer(scale, scale))
 
-    def errors(self, theta: Numbers, number: int = 0) -> Numbers:
-        """Return a run's prediction errors (n, y); NaN where a reading is missing."""
+    def shown(self, theta: Numbers, number: int = 0) -> tuple[Numbers, Numbers]:
+        """Return a run's predicted states (n, x) and prediction errors (n, y)."""
         run, at = self.problem.runs[number]
         sampled = run.sampled(theta[at]).as_complex()
         gains = self.gains(run, sampled)
         if gains is None:
             raise ConfigError("the filter does not settle: its gain is not known")
-        return np.asarray(_run(run, sampled, gains, 0).real)
+        states, errors = _run(run, sampled, gains, 0)
+        return states.real, errors.real
 
     def _weighted(self, errors: Complexes) -> tuple[Numbers, Numbers]:
         """Return n S^-1 error (n, y) and the errors' slopes (f, n, y)."""
@@ -123,7 +203,7 @@ class Innovations:
             gains = self.gains(run, sampled) if possible(sampled) else None
             if gains is None:
                 return None
-            errors = np.stack([_run(run, sampled, gains, row) for row in range(len(gains))])
+            errors = np.stack([_run(run, sampled, gains, row)[1] for row in range(len(gains))])
             errors = errors[:, ~np.isnan(run.samples.outputs).any(axis=1)]
             part = np.zeros((1 + sloped * len(theta), *errors.shape[1:]), complex)
             part[[0, *(1 + at)] if sloped else [0]] = errors
@@ -132,13 +212,13 @@ class Innovations:
         return whole if np.isfinite(whole).all() and whole.shape[1] else None
 
 
-def _run(problem: Problem, sampled: Sampled, gains: Complexes, row: int) -> Complexes:
-    """Return the errors (n, y) of one row."""
-    samples = problem.samples
-    errors = np.empty(samples.outputs.shape, complex)
-    first = np.ascontiguousarray(sampled.start[row, :, 0])
-    run_with_gain(sampled.mean[row], gains[row], first, samples.table, samples.steps[1], errors)
-    return errors
+def _run(problem: Problem, sampled: Sampled, gains: Complexes, row: int) -> tuple[Entries, Entries]:
+    """Return states (n, x) and errors (n, y) of one row; NaN where a reading is missing."""
+    samples, states = problem.samples, sampled.start.shape[1]
+    out = np.empty((len(samples.t), states + samples.outputs.shape[1]), complex)
+    system = sampled.mean[row], gains[row], np.ascontiguousarray(sampled.start[row, :, 0])
+    run_predictor(system, samples.table, samples.steps[1], np.zeros((len(out), states)), out)
+    return out[:, :states], samples.outputs - out[:, states:]
 
 
 def _concentrate(errors: Numbers) -> float:
@@ -189,24 +269,45 @@ class MultiStep:
         found = []
         for run, at in self.problem.runs:
             sampled = run.sloped(theta[at]) if sloped else run.sampled(theta[at]).as_complex()
-            rows = range(len(sampled.start))
-            found.append(np.array([self._cost(run, sampled, row) for row in rows]))
+            if possible(sampled):
+                costs = [self._cost(run, sampled, row) for row in range(len(sampled.start))]
+            else:
+                costs = [complex(math.inf)] * len(sampled.start)
+            found.append(np.array(costs))
         return found
 
     def _cost(self, problem: Problem, sampled: Sampled, row: int) -> complex:
         """Return n V2 of a row."""
-        samples = problem.samples
-        sums = np.empty(2, complex)
-        if not possible(sampled):
-            return complex(math.inf)
-        system = sampled.mean[row], sampled.noise[row]
-        steps = self.first, self.last
-        start = np.ascontiguousarray(sampled.start[row])
+        system = sampled.mean[row], sampled.noise[row], np.ascontiguousarray(sampled.start[row])
         try:
-            count = multi_step(system, start, samples.table, samples.steps[1], steps, sums)
-        except ZeroDivisionError:  # of complex numbers, which compiled code raises
-            count = 0
-        if count <= 0:
+            total, count = self._look_ahead(system, problem.samples)
+        except (ZeroDivisionError, np.linalg.LinAlgError):  # compiled code raises of complex ones
             return complex(math.inf)
-        mean = 0.5 * (sums[0] + sums[1] * LOG_2_PI) / count
-        return complex(mean * samples.counted)
+        mean = total / count if count else complex(math.inf)
+        return mean * problem.samples.counted if np.isfinite(mean) else complex(math.inf)
+
+    def _look_ahead(self, system: Any, samples: Samples) -> tuple[complex, int]:
+        """Return the sum of all predictions' -log L, and how many there are."""
+        readings, (mean, noise, start) = samples.outputs.shape[1], system
+        shown, x = filtered(system, samples, no_limits(readings)), len(start)
+        z, P, total, count = shown.states, shown.covariances, 0j, 0
+        for ahead in range(min(self.last, len(samples.t))):
+            table, which = samples.table[ahead:], samples.steps[1][ahead:]
+            W, whole = mean[which], np.column_stack([z, table[:, readings:], np.ones(len(z))])
+            v = np.einsum("kij,kj->ki", W, whole)
+            J = W[..., :x] @ P @ W[..., :x].swapaxes(1, 2) + noise[which]
+            if ahead >= self.first - 1:
+                total += np.sum(_surprises(table[:, :readings] - v[:, x:], J[:, x:, x:]))
+                count += int(np.count_nonzero(~np.isnan(table[:, :readings]).all(axis=1)))
+            z, P = v[:-1, :x], J[:-1, :x, :x]
+        return total, count
+
+
+def _surprises(errors: Complexes, R: Complexes) -> Complexes:
+    """Return -log L (n,) of errors (n, y) with covariances R (n, y, y); infinite if R is none."""
+    there = ~np.isnan(errors)
+    R = np.where(there[:, :, None] & there[:, None, :], R, np.eye(errors.shape[1]))
+    left, size = np.where(there, errors, 0.0), np.linalg.det(R)
+    squares = np.einsum("ki,ki->k", left, np.linalg.solve(R, left[..., None])[..., 0])
+    logs = np.log(np.where(size.real > 0.0, size, math.inf))
+    return np.asarray(0.5 * (logs + squares + there.sum(axis=1) * LOG_2_PI))

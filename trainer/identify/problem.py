@@ -31,8 +31,8 @@ class Run:
 class Problem:
     """Estimate the parameters at the places ``free``; the others stay as in ``values``.
 
-    ``scale`` (f,): a free parameter is its scale times the number that a minimiser moves. Readings
-    are ``sampling``, one of sampled.SAMPLINGS. ``first`` (x,) is an initial state instead of the
+    ``scale`` (f,): a free parameter is its scale times the number that a minimiser moves.
+    ``sampling`` is that of sampled.sample. ``first`` (x,) is an initial state instead of the
     parameters' own.
 
     ``others`` are further runs. Of the free parameters those at the places ``own`` are each run's

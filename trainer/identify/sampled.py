@@ -1,56 +1,27 @@
 """Continuous systems sampled exactly (MI 7), and derivatives by an imaginary step."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import Entries
-from trainer.identify.kernels.sampling import Complexes, sample_instants, sample_integrals
+from trainer.identify.kernels.sampling import Complexes, sample_blocks
 from trainer.identify.models import Blocks
 
 STEP: Final = 1e-100  # imaginary part that carries a derivative without rounding
 LANES: Final = 4  # numbers that a processor takes at a time
 
 
-def aside(theta: Numbers, free: Sequence[int]) -> Complexes:
-    """Return ``theta`` (n,), and below it one row for each place in ``free``.
-
-    Each row is a step aside.
-    """
-    rows = np.empty((1 + len(free), len(theta)), complex)
-    rows[:] = theta
-    for row, place in enumerate(free, 1):
-        rows[row, place] += 1j * STEP
+def aside(theta: Numbers, free: Sequence[int] | None = None) -> Complexes:
+    """Return ``theta`` (n,) above rows a step aside, one for each (free) place."""
+    places = np.arange(len(theta)) if free is None else np.array(free, int)
+    rows = np.tile(theta.astype(complex), (1 + len(places), 1))
+    rows[np.arange(1, 1 + len(places)), places] += 1j * STEP
     return rows
-
-
-def _as_given(
-    drift: Entries,
-    noise: Entries,
-    lag: Entries,
-    intervals: Numbers,
-    mean: Entries,
-    covariance: Entries,
-) -> None:
-    """Write systems that are discrete already, for any interval."""
-    del lag, intervals
-    inputs = mean.shape[3] - drift.shape[2]
-    states = drift.shape[2] - inputs - 1
-    mean[:] = 0.0
-    mean[..., :states] = drift[:, None, :, :states]
-    mean[..., states + inputs :] = drift[:, None, :, states:]
-    covariance[:] = noise[:, None]
-
-
-SAMPLINGS: Final[dict[str, Callable[..., Any]]] = {
-    "instantaneous": sample_instants,  # readings at the instant
-    "integrating": sample_integrals,  # readings summed over the interval that follows
-    "discrete": _as_given,  # the matrices are those of one step
-}
 
 
 @dataclass(frozen=True)
@@ -96,13 +67,25 @@ def _filled(slopes: Numbers) -> Numbers:
 
 
 def sample(blocks: Blocks, intervals: Numbers, sampling: str) -> Sampled:
-    """Return ``blocks`` sampled at ``intervals`` (m,) [s], by one of SAMPLINGS."""
+    """Return ``blocks`` sampled at ``intervals`` (m,) [s].
+
+    ``sampling`` is "instantaneous" or "integrating" of continuous systems, whose readings are taken
+    at the instant or summed over the interval that follows, or "discrete" of matrices of one step.
+    """
     if not np.all(intervals > 0.0):
         raise ConfigError("times: each must be later than the one before")
     batch, rows, columns = blocks.drift.shape
     states = blocks.start.shape[1]
     inputs = columns - states - 1
-    mean = np.empty((batch, intervals.size, rows, columns + inputs), blocks.drift.dtype)
-    noise = np.empty((batch, intervals.size, rows, rows), blocks.drift.dtype)
-    SAMPLINGS[sampling](blocks.drift, blocks.noise, blocks.lag, intervals, mean, noise)
+    mean = np.zeros((batch, intervals.size, rows, columns + inputs), blocks.drift.dtype)
+    noise = np.zeros((batch, intervals.size, rows, rows), blocks.drift.dtype)
+    if sampling == "discrete":
+        mean[..., :states] = blocks.drift[:, None, :, :states]
+        mean[..., states + inputs :] = blocks.drift[:, None, :, states:]
+        noise[:] = blocks.noise[:, None]
+    else:
+        parts = blocks.drift, blocks.noise, blocks.lag
+        sample_blocks(
+            parts, intervals, rows if sampling == "integrating" else states, (mean, noise)
+        )
     return Sampled(mean, noise, blocks.start, blocks.gain)

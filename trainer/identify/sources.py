@@ -1,5 +1,6 @@
 """Records from files, and instruments between a recording's exact state and a record."""
 
+import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,6 +15,7 @@ from trainer.config.schema import Quantity, optional, within
 from trainer.config.tables import Table, read_table, rebuild_times
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import CHANNELS, PLACES, Finding, Record
+from trainer.io.atomic_write import replacing
 from trainer.io.paths import SUFFIX
 from trainer.session.header import reading
 from trainer.units import DEGREE, KNOT
@@ -169,6 +171,18 @@ def check_times(record: Record) -> None:
         f"{record.source}: row {record.row(place)}: {record.name('t')} = {now:g} s {how}; "
         "times must rise"
     )
+
+
+def write_columns(path: Path, columns: Mapping[str, Numbers], form: str = "") -> None:
+    """Write columns as CSV, a missing value empty. ConfigError if it cannot be."""
+    try:
+        with replacing(path) as made, made.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(columns)
+            for row in zip(*columns.values(), strict=True):
+                writer.writerow(["" if math.isnan(x) else format(float(x), form) for x in row])
+    except OSError as error:
+        raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from error
 
 
 DEVIATION: Final = within(0, 100)

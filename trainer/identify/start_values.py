@@ -14,6 +14,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import Record
 from trainer.identify.models import UNITS, Plant
+from trainer.identify.nomoto import rate_coefficients
 from trainer.identify.study_records import ParameterRow
 
 RESTLESS: Final = 0.1  # [-] of the yaw rate, that disturbances start as
@@ -27,18 +28,11 @@ FREE: Final[Mapping[str, tuple[str, ...]]] = {  # beside errors and the initial 
     "nomoto1": ("K", "T", "delta_0", "R1_r"),
     "nomoto2": ("a1", "a2", "b1", "b2", "delta_0", "R1_1", "R1_2"),
 }
-ERRORS: Final[Mapping[str, Mapping[str, str]]] = {
-    "1": {
-        "sway": "R2_v1",
-        "bow_sway": "R2_v1",
-        "stern_sway": "R2_v2",
-        "yaw_rate": "R2_r",
-        "heading": "R2_psi",
-    },
+TURNING: Final = {"yaw_rate": "R2_r", "heading": "R2_psi"}
+ERRORS: Final[Mapping[str, Mapping[str, str]]] = {  # of what is read
+    "1": {"sway": "R2_v1", "bow_sway": "R2_v1", "stern_sway": "R2_v2", **TURNING},
     "2": {"sway": "R2_v"},
-    "3": {"yaw_rate": "R2_r", "heading": "R2_psi"},
-    "nomoto1": {"yaw_rate": "R2_r", "heading": "R2_psi"},
-    "nomoto2": {"yaw_rate": "R2_r", "heading": "R2_psi"},
+    **dict.fromkeys(("3", "nomoto1", "nomoto2"), TURNING),
 }
 STATES: Final[Mapping[str, tuple[tuple[str, str], ...]]] = {  # initial state: what reads it
     "1": (("x1_0", "sway"), ("x2_0", "yaw_rate"), ("x3_0", "heading")),
@@ -123,20 +117,17 @@ def _regress(plant: Plant, record: Record) -> dict[str, float]:
     k = plant.ship.speed / plant.ship.length
     gain, T = first_order(record, "sway" if kind == "2" else "yaw_rate")
     T2, T3 = T / 8.0, T / 4.0  # of many ships
+    T1 = T + T3 - T2
     if kind == "nomoto1":
         return {"K": gain, "T": T}
     if kind == "nomoto2":
-        return {"K": gain, "T1": T + T3 - T2, "T2": T2, "T3": T3}
-    T1 = T + T3 - T2
-    a1, a2 = (T1 + T2) / (T1 * T2) / k, 1.0 / (T1 * T2) / k**2
+        return {"K": gain, "T1": T1, "T2": T2, "T3": T3}
+    a1, a2, b1, b2 = rate_coefficients(gain, T1, T2, T3)
+    told = {"a1": a1 / k, "a2": a2 / k**2}
     if kind == "3":
-        return {"a1": a1, "a2": a2, "b1": gain * T3 * a2 * k**2 / k**2, "b2": gain * a2 / k}
-    return {
-        "a1": a1,
-        "a2": a2,
-        "c1": gain * a2 * k * T3 / plant.ship.speed,
-        "c2": gain * a2 / plant.ship.speed,
-    }
+        return told | {"b1": b1 / k**2, "b2": b2 / k**3}
+    V = plant.ship.speed
+    return told | {"c1": b1 / (k * V), "c2": b2 / (k**2 * V)}
 
 
 def first_order(record: Record, channel: str) -> tuple[float, float]:
@@ -144,11 +135,7 @@ def first_order(record: Record, channel: str) -> tuple[float, float]:
 
     A yaw rate that was not read is that of the heading.
     """
-    values = getattr(record, channel)
-    if values is None and channel == "yaw_rate":
-        turned = np.diff(record.column("heading")) / np.diff(record.t)
-        values = np.append(turned, turned[-1])
-    values = record.column(channel) if values is None else values
+    values = record.column("turning" if channel == "yaw_rate" else channel)
     rudder, step = record.column("rudder"), record.interval
     usual = np.abs(np.diff(record.t) - step) < 0.01 * step
     good = usual & ~np.isnan(values[1:]) & ~np.isnan(values[:-1])
@@ -180,7 +167,4 @@ def _disturb(plant: Plant, record: Record, values: Numbers, told: Mapping[str, f
 def _motion(record: Record, channel: str) -> float:
     """Return the usual size of a channel, SI."""
     values = getattr(record, channel)
-    if values is None:
-        turned = np.diff(record.column("heading")) / np.diff(record.t)
-        return float(np.nanstd(turned)) or 1e-6
-    return float(np.nanstd(values)) or 1e-6
+    return float(np.nanstd(record.column("turning")[:-1] if values is None else values)) or 1e-6

@@ -1,6 +1,6 @@
 """An identification study from its file: record, ship, model and parameters, checked at load."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Final
@@ -104,21 +104,8 @@ def parse_study(text: str, path: Path) -> Study:
     """Return the study in ``text``, which came from ``path``; ConfigError with all faults."""
     place = Place(path.name, "")
     table = parse_toml(text, path.name)
-    problems = [
-        place.wrong(key, value, f"no such key{nearest(key, KNOWN)}")
-        for key, value in table.items()
-        if key not in KNOWN
-    ]
-    parts: dict[str, Any] = {"parameters": ()}
+    parts, problems = read_parts(table, place, (Heading, KNOWN), OPTIONAL)
     own_kind = as_kind(table.get("model")) == "own"
-    with collecting(problems):
-        own = {key: value for key, value in table.items() if key in KNOWN and key not in TABLES}
-        parts["heading"] = _heading(own, place)
-    for name, record in OPTIONAL.items():
-        parts[name] = None
-        with collecting(problems):
-            if name in table:
-                parts[name] = read_record(record, table[name], place.inside(name), ("note",))
     with collecting(problems):
         rows = COLUMNS.read("columns", table.get("columns", []), place)
         parts["columns"] = _columns(rows, place, steered=not own_kind)
@@ -142,13 +129,32 @@ def as_kind(model: object) -> object:
     return model.get("kind") if isinstance(model, Mapping) else None
 
 
-def _heading(table: Mapping[str, Any], place: Place) -> Heading:
-    """Return the keys above all tables; ConfigError with all faults."""
-    heading = read_record(Heading, table, place, ("note",))
-    begin, end = heading.from_s, heading.to_s
-    if begin is not None and end is not None and end <= begin:
-        raise ConfigError(place.wrong("to_s", end, f"must be after from_s = {begin:g}"))
-    return heading
+def read_parts(
+    table: Mapping[str, Any],
+    place: Place,
+    heading: tuple[type[Any], Sequence[str]],
+    records: Mapping[str, type[Any]],
+) -> tuple[dict[str, Any], list[str]]:
+    """Return heading and tables of a file, None for those lacking, and all faults.
+
+    ``heading`` is the record of the keys above all tables, and all keys that there may be.
+    """
+    record, known = heading
+    problems = [
+        place.wrong(key, value, f"no such key{nearest(key, known)}")
+        for key, value in table.items()
+        if key not in known
+    ]
+    parts: dict[str, Any] = dict.fromkeys(records)
+    above = {item.name for item in fields(record)} | {"note"}
+    with collecting(problems):
+        own = {key: value for key, value in table.items() if key in above}
+        parts["heading"] = read_record(record, own, place, ("note",))
+    for name, kind in records.items():
+        with collecting(problems):
+            if name in table:
+                parts[name] = read_record(kind, table[name], place.inside(name), ("note",))
+    return parts, problems
 
 
 def _columns(rows: tuple[ColumnRow, ...], place: Place, *, steered: bool) -> dict[str, Column]:
@@ -179,6 +185,10 @@ def _check_once(names: list[str], place: Place, table: str) -> None:
 def _check_whole(parts: Mapping[str, Any], place: Place) -> None:
     """Check what is said in counts, and what goes together; ConfigError with all faults."""
     problems: list[str] = []
+    heading = parts.get("heading")
+    begin, end = (heading.from_s, heading.to_s) if heading else (None, None)
+    if begin is not None and end is not None and end <= begin:
+        problems.append(place.wrong("to_s", end, f"must be after from_s = {begin:g}"))
     counts = {"": ("heading", ("every",)), "armax": ("armax", ("most", "dead_time", "lags"))}
     counts["model"] = ("model", ("restarts", "predict_from", "predict_to"))
     for table, (part, keys) in counts.items():

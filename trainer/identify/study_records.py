@@ -15,7 +15,7 @@ from trainer.config.schema import (
     tables_of,
     within,
 )
-from trainer.identify.armax_orders import TREATMENTS
+from trainer.identify.armax import TREATMENTS
 from trainer.identify.measurements import CHANNELS, OUTPUTS, PLACES
 from trainer.identify.sources import Sensors
 

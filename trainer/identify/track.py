@@ -49,14 +49,6 @@ def along(
     return np.asarray(north * c + east * s), np.asarray(east * c - north * s)
 
 
-def sway_of_track(x0: Numbers, y0: Numbers, turned: Numbers, interval: float) -> Numbers:
-    """Return v = y0' cos - x0' sin of the angle ``turned`` [rad].
-
-    The angle is from the axis x0. v is over ground.
-    """
-    return along(derivative(y0, interval), derivative(x0, interval), turned)[1]
-
-
 def even_interval(t: Numbers, source: str) -> float:
     """Return the interval [s] of even samples; ConfigError naming the row where they are not."""
     steps = np.diff(t)

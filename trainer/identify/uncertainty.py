@@ -1,8 +1,7 @@
 """The certainty of the parameters, and those that the data cannot separate (MI 3.7, 8.3).
 
-How uncertain numbers are that are computed from estimated ones: the delta method and draws.
-
-The delta method takes the numbers for linear in the parameters. Where they bend sharply, as time
+Of numbers that follow from them, by the delta method and by draws. The delta method takes the
+numbers for linear in the parameters. Where they bend sharply, as time
 constants do near a double root, only draws give intervals that hold the truth.
 """
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.likelihood import Likelihood
-from trainer.identify.minimise import Cost
+from trainer.identify.minimise import Cost, curvature
 from trainer.identify.problem import Problem
 
 FLAT: Final = 1e-10  # [-] eigenvalue of the information scaled to a unit diagonal
@@ -42,11 +41,6 @@ class Uncertainty:
     def deviations(self) -> Numbers:
         """Return the standard deviations (f,)."""
         return np.sqrt(np.diag(self.covariance))
-
-    @property
-    def correlations(self) -> Numbers:
-        """Return the correlations of the estimates (f, f)."""
-        return self.covariance / np.outer(self.deviations, self.deviations)
 
 
 def uncertainty(names: tuple[str, ...], curvature: Numbers) -> Uncertainty:
@@ -124,15 +118,8 @@ def hessian(cost: Cost, theta: Numbers) -> Numbers:
     size = np.diag(cost.information(theta))
     steps = 1e-3 / np.sqrt(np.maximum(size, 1e-300))
     folded = np.isin(cost.problem.kinds, ("variance", "error", "lag"))
-    columns = []
-    for i, step in enumerate(steps):
-        aside = np.zeros_like(theta)
-        aside[i] = step
-        back = 0.0 if folded[i] and abs(theta[i]) < step else 1.0
-        plus, minus = cost.slope(theta + aside)[1], cost.slope(theta - back * aside)[1]
-        columns.append((plus - minus) / ((1.0 + back) * step))
-    found = np.column_stack(columns)
-    return np.asarray(0.5 * (found + found.T))
+    back = np.where(folded & (np.abs(theta) < steps), 0.0, 1.0)
+    return curvature(lambda at: cost.slope(at)[1], theta, steps, back)
 
 
 WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
@@ -221,14 +208,19 @@ def span_draws(derived: Derived, draws: Numbers) -> tuple[Numbers, Span]:
 
 
 def draw_parameters(theta: Numbers, covariance: Numbers, count: int, seed: int) -> Numbers:
-    """Return ``count`` parameter vectors (count, n) from N(theta, covariance) (8.5).
-
-    A covariance that is not positive definite by rounding is taken by its eigenvalues, scaled to
-    a unit diagonal: beside a variance that nothing tells of, the others would be rounding.
-    """
-    width = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    unit = np.where(width > 0.0, width, 1.0)
-    sizes, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
-    root = width[:, None] * vectors * np.sqrt(np.maximum(sizes, 0.0))
+    """Return ``count`` parameter vectors (count, n) from N(theta, covariance) (8.5)."""
     stream = np.random.Generator(np.random.PCG64(seed))
-    return np.asarray(theta + stream.standard_normal((count, len(theta))) @ root.T)
+    return np.asarray(theta + stream.standard_normal((count, len(theta))) @ root(covariance).T)
+
+
+def root(covariance: Numbers) -> Numbers:
+    """Return C with C C' = ``covariance`` (..., n, n), which may be singular.
+
+    Rounding counts as nothing: units differ by many powers of ten, so each is taken by its own.
+    """
+    width = np.sqrt(np.maximum(np.einsum("...ii->...i", covariance), 0.0))
+    unit = np.where(width > 0.0, width, 1.0)
+    sizes, vectors = np.linalg.eigh(covariance / (unit[..., None] * unit[..., None, :]))
+    return np.asarray(
+        width[..., None] * vectors * np.sqrt(np.maximum(sizes, 0.0))[..., None, :], float
+    )

@@ -9,7 +9,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import nomoto_of
 from trainer.identify.fitting import Fitted
-from trainer.identify.kernels.screening import simulate
+from trainer.identify.kernels.covariance_filter import run_predictor
 from trainer.identify.likelihood import possible
 from trainer.identify.measurements import Record, Samples, samples_of
 from trainer.identify.nonlinear import (
@@ -24,35 +24,26 @@ from trainer.identify.prediction_error import Innovations
 from trainer.identify.problem import Problem
 from trainer.identify.start_values import STATES
 from trainer.identify.study import load_study, observe
+from trainer.identify.uncertainty import root
 
 
-def root(covariance: Numbers) -> Numbers:
-    """Return C with C C' = ``covariance`` (..., n, n), which may be singular.
+def deterministic(problem: Problem, theta: Numbers) -> Numbers:
+    """Return states and outputs (n, x+y) of the model alone, without any noise.
 
-    Rounding counts as nothing: units differ by many powers of ten, so each is taken by its own.
+    The states are SI, the outputs in knots and degrees.
     """
-    width = np.sqrt(np.maximum(np.einsum("...ii->...i", covariance), 0.0))
-    unit = np.where(width > 0.0, width, 1.0)
-    sizes, vectors = np.linalg.eigh(covariance / (unit[..., None] * unit[..., None, :]))
-    return np.asarray(
-        width[..., None] * vectors * np.sqrt(np.maximum(sizes, 0.0))[..., None, :], float
+    mean, _, start = problem.sampled(theta).at(0)
+    return _driven(
+        problem.samples, mean, start[:, 0], np.zeros((len(problem.samples.t), len(start)))
     )
 
 
-def deterministic(problem: Problem, theta: Numbers, driven: Numbers | None = None) -> Numbers:
-    """Return states and outputs (n, x+y) of the model alone, without any noise.
-
-    The states are SI, the outputs in knots and degrees. ``driven`` (n, x) is added to the states
-    that follow.
-    """
-    mean, _, start = problem.sampled(theta).at(0)
-    samples = problem.samples
-    out = np.empty((len(samples.t), mean.shape[1]))
-    still = np.zeros_like(out)
-    inputs = samples.table[:, samples.outputs.shape[1] :]
-    if driven is not None:
-        still[:, : driven.shape[1]] = driven
-    simulate(mean, start[:, 0], np.ascontiguousarray(inputs), samples.steps[1], still, out)
+def _driven(samples: Samples, mean: Numbers, first: Numbers, driven: Numbers) -> Numbers:
+    """Return states and outputs (n, x+y) from a ``first`` state; ``driven`` (n, x) is added."""
+    readings = samples.outputs.shape[1]
+    out = np.empty((len(samples.t), len(first) + readings))
+    system = mean, np.zeros((len(first), readings)), np.ascontiguousarray(first)
+    run_predictor(system, samples.table, samples.steps[1], np.ascontiguousarray(driven), out)
     return out
 
 
@@ -64,13 +55,10 @@ def draw_outputs(problem: Problem, theta: Numbers, stream: np.random.Generator) 
     mean, noise, start = sampled.at(0)
     samples = problem.samples
     states, rows = len(start), mean.shape[1]
-    _, which = samples.steps
-    white = stream.standard_normal((len(which), rows))
-    disturbed = np.einsum("kij,kj->ki", root(noise)[which], white)
+    white = stream.standard_normal((len(samples.t), rows))
+    disturbed = np.einsum("kij,kj->ki", root(noise)[samples.steps[1]], white)
     first = start[:, 0] + root(start[:, 1:]) @ stream.standard_normal(states)
-    out = np.empty((len(which), rows))
-    inputs = np.ascontiguousarray(samples.table[:, samples.outputs.shape[1] :])
-    simulate(mean, first, inputs, which, disturbed, out)
+    out = _driven(samples, mean, first, disturbed[:, :states]) + disturbed
     readings = np.where(np.isnan(samples.outputs), np.nan, out[:, states:])
     return replace(samples, outputs=readings)
 
@@ -90,15 +78,6 @@ class Check:
 def alone(problem: Problem, theta: Numbers) -> Numbers:
     """Return the outputs (n, y) of the model by rudder alone, from its initial state."""
     return deterministic(problem, theta)[:, problem.plant.model.states :]
-
-
-def loss_alone(fitted: Fitted) -> float:
-    """Return V1 = (1/n) log det of the errors by rudder alone (6.3)."""
-    left = fitted.problem.samples.outputs - alone(fitted.problem, fitted.found.theta)
-    whole = left[~np.isnan(left).any(axis=1)]
-    if not len(whole):
-        return float("nan")
-    return float(np.linalg.slogdet(whole.T @ whole)[1]) / len(whole)
 
 
 def check_of(fitted: Fitted, path: Path) -> Check:

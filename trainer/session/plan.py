@@ -92,6 +92,11 @@ class Plan:
             "trainer reduce makes one"
         )
 
+    @property
+    def around(self) -> WorldTables:
+        """Return the tables of the world around the boat, the exercise's before the sea's."""
+        return {**self.sea.world, **self.world}
+
     def alone(self) -> "Plan":
         """Return the plan without the orders that the command line adds."""
         return replace(self, schedule=list(self.own_schedule))
@@ -109,7 +114,7 @@ class Plan:
         course = math.radians(self.initial.course_deg or 0.0)
         boat.start(speed * KNOT, depth, course, self.seed)
         boat.put_to_sea(self.sea)
-        boat.world = world_of(boat, {**self.sea.world, **self.world})
+        boat.world = world_of(boat, self.around)
         refuse_touching(boat)
         self._put_out_of_trim(boat)
         boat.casualties = self.casualties

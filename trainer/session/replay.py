@@ -15,6 +15,7 @@ import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
+from trainer.boat.world.scope import periscope_of
 from trainer.config.files import ConfigError, collecting, json_text
 from trainer.core.kernel import Record
 from trainer.io.lines import plain
@@ -207,6 +208,19 @@ def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:
         )
 
 
+def count_exposure(recording: Recording, boat: Boat, layout: tuple[str, ...]) -> None:
+    """Count again for how long the periscope has shown, by the states before this."""
+    scope = periscope_of(boat)
+    if scope is None or not scope.acts:
+        return
+    latest, present = boat.ticks, boat.records.state.copy()
+    for flown in recording.flown(recording.branch):
+        if flown.tick < latest and scope.at(flown.tick).out > 0.0:
+            boat.restore(read_state(flown.state, layout, present))
+            scope.write(boat.state)
+    boat.restore(present)
+
+
 def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ...]) -> History:
     """Return the history of a boat brought to where its recording ends.
 
@@ -218,6 +232,7 @@ def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ..
     if boat.ticks != latest.tick:
         raise ConfigError(f"recording: its state of tick {latest.tick} is of another: damaged")
     settle_world(boat, recording, recording.branch, latest.after)
+    count_exposure(recording, boat, layout)
     history = History(boat, recording, latest.after, latest.place)
     with np.errstate(all="ignore"):
         for entry in recording.orders(recording.branch, latest.after):

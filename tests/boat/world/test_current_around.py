@@ -11,7 +11,7 @@ from helpers.places import ROOT, environment
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
-from trainer.boat.world.current import CurrentAround, Line, current_text, flow_of
+from trainer.boat.world.current import CurrentAround, Ellipse, Line, current_text, flow_of
 from trainer.config.current import Current, Tide, key_tables
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
@@ -24,6 +24,7 @@ from trainer.units import KNOT
 HEAD = 'schema = "exercise/1"\nname = "Adrift"\nbriefing = "A current."\nduration_s = 60\n'
 UNIFORM = "[current]\nset_deg = 90\ndrift_kn = 2\n"
 DEEP = 60.0  # [m]
+TIDE = Tide(major_kn=2.0, towards_deg=10.0, period_h=1.0)
 
 
 def order(text: str) -> Order:
@@ -67,6 +68,19 @@ def test_the_phase_of_a_tide_is_how_long_ago_it_was_strongest() -> None:
     # b below zero turns the other way: a quarter later it is to the left of where it was
     before, after = (complex(*early(hours * 3600.0, DEEP)[:2]) for hours in (0.0, 1.5))
     assert (after / before).imag == pytest.approx(-0.3, abs=1e-9)
+
+
+def test_a_tide_turns_about_its_mean() -> None:
+    numbers = {"major_kn": 1.0, "minor_kn": 0.2, "towards_deg": 30.0, "period_h": 6.0}
+    alone = flow_of(Current(tide=Tide(**numbers)))
+    flow = flow_of(Current(tide=Tide(**numbers, mean_set_deg=90.0, mean_drift_kn=0.5)))
+    assert alone
+    assert flow
+    for time in (0.0, 4000.0, 10800.0, 21600.0):
+        north, east = alone(time, DEEP)[:2]
+        assert flow(time, DEEP) == pytest.approx((north, east + 0.5 * KNOT, 0.0, 0.0))
+    part = around(Current(tide=Tide(**numbers, mean_set_deg=90.0, mean_drift_kn=0.5)))
+    assert part.carried(21600.0) == pytest.approx((0.0, 21600.0 * 0.5 * KNOT), abs=1e-6)
 
 
 def test_between_two_rows_the_water_is_straight_in_between_and_beyond_it_is_theirs() -> None:
@@ -123,16 +137,49 @@ def test_orders_told_again_after_a_jump_make_the_same_bits_as_those_lived_throug
         (int(tick), order(f"current set {rng.integers(360)} drift {rng.uniform(0, 4):.2f}"))
         for tick in np.cumsum(rng.integers(1, 150, 30))  # most within the ramp of those before
     ]
-    lived = around(Current(tide=Tide(major_kn=2.0, towards_deg=10.0, period_h=1.0)))
+    lived = around(Current(tide=TIDE))
     for i, (tick, each) in enumerate(given):
         lived.obey(each, tick)
-        again = around(Current(tide=Tide(major_kn=2.0, towards_deg=10.0, period_h=1.0)))
+        again = around(Current(tide=TIDE))
         for then, before in given[: i + 1]:
             again.obey(before, then)
         for later in (0, 7, 60, 119, 120, 500):
             assert again.at(tick + later, DEEP) == lived.at(tick + later, DEEP)
         assert lived.at(tick + 120, DEEP) == lived.changes[-1].line  # no trace of the tide
-    assert len(lived.changes) < 15  # what has come about whole hides what was before
+    first = given[0][0]  # a tick of the past has the water that it had
+    assert lived.at(first - 1, DEEP) == Ellipse(TIDE)(0.5 * (first - 1), DEEP)
+
+
+def drifted() -> CurrentAround:
+    """Return a tide in which one order's ramp begins within another's."""
+    part = around(Current(tide=TIDE))
+    for tick, text in ((300, "set 090 drift 3"), (370, "off"), (1000, "set 200 drift 1")):
+        part.obey(order(f"current {text}"), tick)
+    return part
+
+
+def test_what_floats_has_gone_as_far_as_the_water_has_in_small_steps() -> None:
+    part, step = drifted(), 0.05
+    for end in (90.0, 200.0, 700.0):
+        middles = (np.arange(round(end / step)) + 0.5) * step
+        gone = sum(np.array(part.floating(each)) for each in middles.tolist()) * step
+        assert part.carried(end) == pytest.approx(gone, abs=2e-4)
+
+
+def test_what_floats_is_at_the_same_place_to_the_bit_whoever_asks_and_when() -> None:
+    live = around(Current(tide=TIDE))
+    places = {}
+    for tick in range(1300):
+        text = {300: "set 090 drift 3", 370: "off", 1000: "set 200 drift 1"}.get(tick)
+        places[tick] = live.carried(0.5 * tick)
+        if text:
+            live.obey(order(f"current {text}"), tick)
+    again = drifted()
+    assert {tick: again.carried(0.5 * tick) for tick in (1299, 50, 301, 0, 1010)}.items() <= (
+        places.items()
+    )
+    again.forget()
+    assert again.carried(400.0) == around(Current(tide=TIDE)).carried(400.0)
 
 
 def test_no_step_of_a_ramp_is_longer_than_the_ramp_has_it() -> None:
@@ -233,6 +280,9 @@ WRONG = {
     "table = []": "table = []: must be a list of 1 to 50 rows",
     "table = 3": "table = 3: must be a list of 1 to 50 rows",
     "tide = {major_kn = 1, minor = 1, towards_deg = 0}": "minor = 1: no such key; nearest is minor",
+    "tide = {major_kn = 1, towards_deg = 0, mean_drift_kn = 1}": (
+        "tide has mean_drift_kn and lacks mean_set_deg: give both, or neither"
+    ),
     "tide = {major_kn = 1}": "[current.tide] lacks towards_deg",
     "tide = {major_kn = 1, minor_kn = -2, towards_deg = 0}": "minor_kn = -2: is more than major_kn",
     "tide = {major_kn = 1, towards_deg = 0, period_h = 0}": "period_h = 0: must be 1 to 1000 h",

@@ -23,6 +23,7 @@ from trainer.config.contacts import TYPES
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
+from trainer.units import KNOT
 
 HEAD = 'schema = "exercise/1"\nname = "Ships"\nbriefing = "Ships."\nduration_s = 1200\n'
 LIMIT = 500.0  # [m]
@@ -49,7 +50,9 @@ def ordered(boat: Boat, text: str) -> str:
 
 def one(north: float, east: float, course: float, speed: float, turning: float = 0.0) -> Situation:
     """Return one ship."""
-    return Situation(*(np.array([each]) for each in (north, east, course, speed, turning)))
+    return Situation(
+        *(np.array([each]) for each in (north, east, course, speed, turning, 0.0, 0.0))
+    )
 
 
 def test_the_closest_approach_of_the_textbook() -> None:
@@ -222,3 +225,71 @@ def cost(folder: Path, ships: int) -> float:
 def test_many_ships_are_looked_at_in_one_pass(tmp_path: Path) -> None:
     """Forty times the ships must not cost ten times as much."""
     assert cost(tmp_path, 200) < 10.0 * cost(tmp_path, 5)
+
+
+ADRIFT = """
+[current]
+set_deg = 90
+drift_kn = 2
+[[contact]]
+name = "hulk"
+type = "tug"
+points = [[900, 0]]
+drifts = true
+[[contact]]
+name = "crosser"
+type = "tug"
+points = [[0, -800]]
+course_deg = 0
+speed_kn = 2
+drifts = true
+[[contact]]
+name = "liner"
+type = "ferry"
+points = [[2000, 0]]
+"""
+
+
+def test_a_ship_that_drifts_goes_with_the_water(tmp_path: Path) -> None:
+    contacts = ships_of(EncounterMonitor.over(under_way(tmp_path, ADRIFT)))
+    hulk, crosser, liner = contacts.seen(200)  # 100 s
+    carried = 200.0 * KNOT
+    assert (hulk.north, hulk.east, liner.east) == pytest.approx((900.0, carried, 0.0))
+    assert (hulk.course, hulk.speed, hulk.heading) == pytest.approx((0.5 * math.pi, 2 * KNOT, 0.0))
+    assert (crosser.north, crosser.east) == pytest.approx((carried, carried - 800.0))
+    assert (crosser.course, crosser.heading) == pytest.approx((0.25 * math.pi, 0.0))
+    assert crosser.speed == pytest.approx(math.sqrt(8.0) * KNOT)
+    assert (hulk.status, liner.status, liner.speed) == ("adrift", "at anchor", 0.0)
+
+
+def test_the_closest_approach_of_a_ship_that_drifts_is_over_the_ground(tmp_path: Path) -> None:
+    """It goes to the north-east, and passes north-west of the boat."""
+    contacts = ships_of(EncounterMonitor.over(under_way(tmp_path, ADRIFT)))
+    straight = plot(Own(100.0, 0.0, 0.0, 0.0, 0.0), contacts.at(0), LIMIT)
+    assert straight.closest[1] == pytest.approx(700.0 / math.sqrt(2.0))
+    assert straight.until[1] == pytest.approx(450.0 / KNOT / 2.0)
+    turning = contacts.at(0)._replace(turning=np.array([0.0, 1e-9, 0.0]))
+    bent = plot(Own(100.0, 0.0, 0.0, 0.0, 1e-9), turning, 1e-9)
+    assert bent.turning[1]
+    assert bent.closest[1] == pytest.approx(straight.closest[1], rel=1e-3)
+
+
+def test_a_ship_that_drifts_is_ordered_through_the_water_and_moved_over_the_ground(
+    tmp_path: Path,
+) -> None:
+    boat = under_way(tmp_path, ADRIFT)
+    contacts = ships_of(EncounterMonitor.over(boat))
+    for _ in range(100):
+        boat.tick()
+    ordered(boat, "contact hulk move 500 -100")
+    ordered(boat, "contact crosser course 180")
+    hulk, _, _ = contacts.seen(100)
+    assert (hulk.north, hulk.east) == pytest.approx((500.0, -100.0))
+    ordered(boat, "current off")
+    for tick in (100, 220, 1000):  # the last of the water within the ramp of 60 s
+        hulk, crosser, _ = contacts.seen(tick)
+        left = KNOT * min((tick - 100) * 0.5, 60.0)
+        gone = 2.0 * left - left * left / (60.0 * KNOT)
+        assert hulk.east == pytest.approx(-100.0 + gone, abs=1e-6)
+    assert (crosser.course, crosser.heading) == pytest.approx((math.pi, math.pi))
+    assert crosser.speed == pytest.approx(2.0 * KNOT)

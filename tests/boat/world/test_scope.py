@@ -1,5 +1,6 @@
 """The periscope: horizon and angles, the mast's way by orders alone, and what counts as shown."""
 
+import contextlib
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -8,11 +9,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from trainer.analysis.debrief.data import gather
+from trainer.analysis.debrief.episodes import shown as shown_ticks
 from trainer.analysis.debrief.scoring import attain
 from trainer.analysis.debrief.trajectory import COLUMNS, Trajectory
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
+from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.contacts import contacts_in
 from trainer.boat.world.scope import (
     HIGH,
@@ -31,13 +36,16 @@ from trainer.boat.world.scope import (
     periscope_of,
     stadimeter,
 )
+from trainer.cli.main import cli
 from trainer.config.contacts import TYPES
 from trainer.config.exercise import Limits, parse_exercise
 from trainer.config.vessel import parse_vessel
 from trainer.io.orders.grammar import Order, Refused, parse
-from trainer.io.recording.recording import Noted
+from trainer.io.recording.recording import Noted, Recording
+from trainer.session.header import layout_of, plan_of
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
+from trainer.session.replay import bring_up
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
@@ -99,7 +107,7 @@ def ship(north: float, east: float, course: float = 0.0, kind: str = "tanker") -
     """Return a ship without lights."""
     found = TYPES[kind]
     sizes = {"length": found.length, "beam": found.beam, "mast": found.mast}
-    place = {"north": north, "east": east, "course": course}
+    place = {"north": north, "east": east, "course": course, "heading": course}
     return SimpleNamespace(name="big", type=kind, lights=(), **place, **sizes)
 
 
@@ -227,6 +235,26 @@ def test_at_too_high_a_speed_the_mast_shakes_and_measures_nothing(tmp_path: Path
     assert give(boat, "scope range 40") == "refused: the mast shakes: nothing can be measured"
 
 
+def test_a_mast_that_shakes_is_called_once_until_it_stood_still_for_long(tmp_path: Path) -> None:
+    boat = at_sea(tmp_path, depth=60.0, speed=9.5)
+    monitor = LimitMonitor.over(boat, Limits())
+    give(boat, "scope raise")
+    told: dict[float, list[str]] = {}
+    for tick in range(1, 200):
+        if tick in {40, 60}:
+            give(boat, "scope lower")
+        if tick in {50, 150}:
+            give(boat, "scope raise")
+        fly(boat, 1)
+        if said := monitor.look(boat):
+            told[boat.time] = said
+    first, again = told
+    assert (first, 75.0 <= again < 80.0) == (0.5, True)
+    (call,) = told[first]
+    assert call.startswith("tick 1 (0.5 s): MAST SHAKES: 9.5 kn is too fast for it, 8 at most")
+    assert LimitMonitor.over(boat, Limits()).look(boat) == []
+
+
 def test_a_range_is_told_with_the_gyro_s_bearing(tmp_path: Path) -> None:
     boat = at_sea(tmp_path, TANKER)
     assert give(boat, "scope range 40") == "refused: nothing to measure: no ship in the view"
@@ -306,6 +334,25 @@ def test_exposure_is_counted_in_all_and_by_the_raise(tmp_path: Path) -> None:
     live = scope_of(boat).exposed(100, raised=False)
     assert live == pytest.approx(wanted, abs=0.5)  # the last tick is not written before it is over
     assert scope_of(boat).exposed(100, raised=True) < live
+
+
+def test_a_resumed_run_goes_on_counting(tmp_path: Path) -> None:
+    path, file = tmp_path / "look.toml", tmp_path / "r.trainer"
+    path.write_text(HEAD + START.format(speed=5.0, depth=18.5) + "[sea]\nsea_state = 4\n")
+    (tmp_path / "o.txt").write_text("3 scope raise\n40 scope lower\n60 scope raise\n")
+    words = ["run", str(path), "--orders", str(tmp_path / "o.txt"), "--record", str(file)]
+    more = ["--headless", "--speed", "max", "--duration", "90"]
+    done = CliRunner().invoke(cli, words + more)
+    assert done.exit_code == 0, done.output
+    with contextlib.closing(Recording.reopen(file)) as recording:
+        rows, raises = shown_ticks(gather(recording, file, None).trajectory)
+        plan = plan_of(recording.header())
+        boat = Boat(plan.file, plan.method)
+        bring_up(recording, plan, boat, layout_of(recording.header()))
+    scope, before = scope_of(boat), rows[:-1]
+    assert (boat.ticks, rows.size) == (180, 181)
+    assert 10.0 < scope.exposed(180, raised=False) == 0.5 * before.sum() < 60.0
+    assert scope.exposed(180, raised=True) == 0.5 * (before & (raises[:-1] == 2.0)).sum()
 
 
 def test_a_tick_that_is_flown_again_counts_once(tmp_path: Path) -> None:

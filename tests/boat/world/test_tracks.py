@@ -22,7 +22,7 @@ START = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 def where(way: Way, time: float) -> tuple[float, ...]:
     """Return north, east, course, speed and rate of turn at a time."""
-    return tuple(float(each[0]) for each in situation(column(way.at(time)), time))
+    return tuple(float(each[0]) for each in situation(column(way.at(time)), time)[:5])
 
 
 def test_a_way_is_what_small_steps_of_its_speed_and_turn_add_up_to() -> None:

@@ -155,7 +155,7 @@ def gather(
     wanted = branch.id
     plan = plan_of(header)
     boat = Boat(plan.file, plan.method)
-    boat.world = world_of(boat, plan.world)
+    boat.world = world_of(boat, plan.around)
     settle_world(boat, recording, wanted, sys.maxsize)
     events = tuple(events_of(recording, branches, branch))
     trajectory = replace(

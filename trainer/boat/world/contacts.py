@@ -1,16 +1,18 @@
 """The ships near: where each is, what the instructor changes, what is seen.
 
 Where they are follows from the exercise, the orders with their ticks, and the tick alone. So a
-replay has them where they were, and a tick of the past has them as they were then.
+replay has them where they were, and a tick of the past has them as they were then. A ship that
+drifts goes its way through the water, and the current of FLOATING carries its way along.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 
+from trainer.boat.world.current import CurrentAround
 from trainer.boat.world.hulls import Pose
 from trainer.boat.world.lights import Light, lights_of
 from trainer.boat.world.ship_force import Pull
@@ -47,8 +49,9 @@ class Seen:
     status: str
     north: float
     east: float
-    course: float  # and heading: ships make no leeway
+    course: float  # over the ground, and so is the speed
     speed: float
+    heading: float
     turning: float  # [rad/s] to starboard positive
     length: float
     beam: float
@@ -67,7 +70,8 @@ class Ship:
     kind: str
     status: str
     mmsi: int | None
-    way: Way
+    way: Way  # through the water of a ship that drifts
+    drifts: bool = False
     steered: Steered | None = None  # a ship that answers its rudder; its way is only where it began
 
     @property
@@ -80,13 +84,19 @@ class Ship:
         return now.speed == 0.0 and self.way.path[-1].speed in (None, 0.0)
 
 
+# from a time [s] to how far water has gone [m] and how it goes [m/s], north and east each
+Water = Callable[[float], tuple[tuple[float, float], tuple[float, float]]]
+
+
 class Fleet:
     """All ships from one order to the next. Never altered, so any thread may ask."""
 
-    def __init__(self, ships: Mapping[str, Ship]) -> None:
-        """Hold ships by their names."""
+    def __init__(self, ships: Mapping[str, Ship], water: Water) -> None:
+        """Hold ships by their names, in the water that carries those that drift."""
         self.ships = dict(ships)
         self.order = tuple(self.ships.values())
+        self._water = water
+        self._drift = np.array([float(ship.drifts) for ship in self.order])
         self._steered = [(i, each.steered) for i, each in enumerate(self.order) if each.steered]
         self._latest: tuple[float, float, Numbers] = math.inf, -math.inf, np.empty((10, 0))
 
@@ -97,9 +107,20 @@ class Fleet:
             begins, ends, pieces = self._latest = self._pieces(time)
         there = situation(pieces, time)
         for i, steered in self._steered:
-            for column, value in zip(there, steered.at(time)[:5], strict=True):
+            for column, value in zip(there, steered.at(time)[:5], strict=False):
                 column[i] = value
-        return there
+        return self._carried(there, time) if self._drift.any() else there
+
+    def _carried(self, there: Situation, time: float) -> Situation:
+        """Return where ships are, those that drift carried by the water."""
+        (north, east), (set_north, set_east) = self._water(time)
+        drift = self._drift
+        return there._replace(
+            north=there.north + north * drift,
+            east=there.east + east * drift,
+            set_north=set_north * drift,
+            set_east=set_east * drift,
+        )
 
     def _pieces(self, time: float) -> tuple[float, float, Numbers]:
         """Return from when to when no ship's piece changes, and the pieces."""
@@ -119,7 +140,8 @@ class Contacts:
         self.encounters = encounters
         self.step = float(boat.method.step)
         self.given = tuple(ships)
-        self._first = fleet_of(ships, self.step)
+        self._boat = boat
+        self._first = Fleet(ships_of(ships, self.step), self.water)
         self._fleets: tuple[tuple[int, Fleet], ...] = ((0, self._first),)
         self._pull = Pull(boat) if encounters.force == "on" else None
 
@@ -148,8 +170,16 @@ class Contacts:
         """Return every ship at a tick, to be looked at."""
         fleet = self.fleet(tick)
         there = fleet.at(tick * self.step)
-        rows = zip(*(column.tolist() for column in there), strict=True)
+        columns = *there[:2], *there.over_ground(), there.course, there.turning
+        rows = zip(*(column.tolist() for column in columns), strict=True)
         return tuple(_seen(ship, row) for ship, row in zip(fleet.order, rows, strict=True))
+
+    def water(self, time: float) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return the way of water [m] by a time [s], and its velocity."""
+        current = self._boat.world.parts.get("current")
+        if not isinstance(current, CurrentAround) or not current.acts:
+            return (0.0, 0.0), (0.0, 0.0)
+        return current.carried(time), current.floating(time)
 
     def obey(self, order: Order, tick: int) -> Reply:
         """Take an order from a tick on; return the answer."""
@@ -167,7 +197,13 @@ class Contacts:
         if doing == "speed" and order.value > ship.type.fastest + 1e-9:
             return Refused(f"a {ship.kind} makes {ship.type.fastest_kn:g} kn")
         change = _steered if ship.steered else CHANGES[doing]
-        ships[ship.name] = change(ship, order, tick * self.step)
+        time = tick * self.step
+        if doing == "move" and ship.drifts:  # the place is over the ground
+            gone = self.water(time)[0]
+            there = tuple(at - by for at, by in zip(order.numbers, gone, strict=True))
+            ships[ship.name] = change(ship, replace(order, numbers=there), time)
+        else:
+            ships[ship.name] = change(ship, order, time)
         return self._change(tick, ships, f"{order.text}")
 
     def forget(self) -> None:
@@ -184,7 +220,7 @@ class Contacts:
         state["ship_force"][:] = self._pull.on(Pose.of(state), ships)
 
     def _change(self, tick: int, ships: dict[str, Ship], reply: str) -> str:
-        self._fleets = (*self._fleets, (tick, Fleet(ships)))
+        self._fleets = (*self._fleets, (tick, Fleet(ships, self.water)))
         return reply
 
     def _add(self, order: Order, tick: int, ships: dict[str, Ship]) -> Reply:
@@ -214,10 +250,10 @@ def contacts_of(boat: Any, tables: WorldTables) -> Contacts:
 def _seen(ship: Ship, row: Sequence[float]) -> Seen:
     """Return a ship as it is looked at, by its numbers in the order of a situation."""
     kind = ship.type
-    north, east, course, speed, turning = row
+    north, east, course, speed, heading, turning = row
     return Seen(
         *(ship.name, ship.kind, ship.status),
-        *(north, east, course % math.tau, speed, turning),
+        *(north, east, course % math.tau, speed, heading % math.tau, turning),
         *(kind.length, kind.beam, kind.draught, kind.height, kind.mast),
         lights=lights_of(ship.kind, ship.status),
         mmsi=ship.mmsi,
@@ -236,7 +272,7 @@ def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> str
     return f"a {kind} makes {fastest.fastest_kn:g} kn" if speed > fastest.fastest + 1e-9 else ""
 
 
-def fleet_of(ships: Sequence[Contact], step: float) -> Fleet:
+def ships_of(ships: Sequence[Contact], step: float) -> dict[str, Ship]:
     """Return the ships of an exercise; ConfigError with all ways that none can go."""
     problems: list[str] = []
     found = {}
@@ -245,14 +281,15 @@ def fleet_of(ships: Sequence[Contact], step: float) -> Fleet:
             found[each.row.name] = _ship_of(each, step)
     if problems:
         raise ConfigError(*problems)
-    return Fleet(found)
+    return found
 
 
 def _ship_of(contact: Contact, step: float) -> Ship:
     """Return a ship of the exercise; ConfigError if its way cannot be gone."""
     row = contact.row
     steered = steered_of(contact, step) if contact.nomoto else None
-    return Ship(row.name, row.type, contact.status, row.mmsi, way_of(contact), steered)
+    drifts = bool(row.drifts)
+    return Ship(row.name, row.type, contact.status, row.mmsi, way_of(contact), drifts, steered)
 
 
 def steered_of(contact: Contact, step: float) -> Steered:

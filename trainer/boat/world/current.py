@@ -5,9 +5,10 @@ rows above and below, ``water + shear z``; above the first row and below the las
 """
 
 import math
-from bisect import bisect_right
-from collections.abc import Callable
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from operator import itemgetter
 from typing import Any, Final
 
 from trainer.config.current import SLOWEST, Current, Tide
@@ -20,6 +21,9 @@ Line = tuple[float, float, float, float]  # water north, east [m/s] and shear no
 Flow = Callable[[float, float], Line]  # from time [s] and depth [m]
 HOUR: Final = 3600.0  # [s]
 STILL: Final[Line] = (0.0, 0.0, 0.0, 0.0)
+FLOATING: Final = 5.0  # [m] depth of the water that carries ships
+SPAN: Final = 60.0  # [s] of a tide that three points integrate to 1e-13 of the way, and better
+GAUSS: Final = ((-math.sqrt(0.6), 5 / 18), (0.0, 8 / 18), (math.sqrt(0.6), 5 / 18))
 
 
 def uniform(towards: float, drift: float) -> Line:
@@ -60,9 +64,10 @@ def _line(
 
 
 class Ellipse:
-    """Water that turns with the tide: a cosine along the major axis, a sine across."""
+    """Water that turns with the tide about a mean: a cosine along, a sine across."""
 
     def __init__(self, tide: Tide) -> None:
+        self.mean = vector(tide.mean_set_deg or 0.0, tide.mean_drift_kn or 0.0)
         self.ahead = vector(tide.towards_deg, tide.major_kn)
         self.across = vector(tide.towards_deg + 90.0, tide.minor_kn)
         self.rate = math.tau / (tide.period_h * HOUR)
@@ -73,7 +78,8 @@ class Ellipse:
         turned = self.rate * (time + self.since)
         cosine, sine = north_and_east(turned)
         (a_north, a_east), (b_north, b_east) = self.ahead, self.across
-        return a_north * cosine + b_north * sine, a_east * cosine + b_east * sine, 0.0, 0.0
+        north, east = a_north * cosine + b_north * sine, a_east * cosine + b_east * sine
+        return self.mean[0] + north, self.mean[1] + east, 0.0, 0.0
 
 
 def flow_of(current: Current | None) -> Flow | None:
@@ -96,6 +102,11 @@ class Change:
     line: Line
 
 
+Mark = tuple[float, float, float]  # time [s], and how far water has gone [m] north and east
+Carried = tuple[tuple[Change, ...], tuple[Mark, ...]]  # marks, and the changes that they know
+START: Final[tuple[Mark, ...]] = ((0.0, 0.0, 0.0),)
+
+
 @dataclass
 class CurrentAround:
     """The current of one run, a part of its world."""
@@ -103,7 +114,8 @@ class CurrentAround:
     step: float  # [s]
     ramp: float  # [s] of an order
     flow: Flow | None  # as the exercise has it
-    changes: list[Change] = field(default_factory=list)  # those that still count
+    changes: tuple[Change, ...] = ()  # in the order of their ticks
+    _carried: Carried = field(default=((), START), repr=False)
 
     @property
     def acts(self) -> bool:
@@ -113,26 +125,75 @@ class CurrentAround:
     def obey(self, order: Order, tick: int) -> Reply:
         """Replace all that there is by another current, over the ramp; return it in words."""
         line = STILL if order.word == "off" else uniform(order.numbers[0], order.value)
-        past = [i for i, each in enumerate(self.changes) if self._share(each, tick) >= 1.0]
-        self.changes = [*self.changes[past[-1] if past else 0 :], Change(tick, line)]
+        before = tuple(each for each in self._carried[1] if each[0] <= tick * self.step)
+        self.changes = (*self.changes, Change(tick, line))
+        self._carried = self.changes, before or START
         return f"{order.text}: {current_text(*line[:2])}, within {self.ramp:g} s"
 
     def forget(self) -> None:
         """Be as the exercise has it."""
-        self.changes = []
+        self.changes, self._carried = (), ((), START)
 
     def write(self, state: Any) -> None:
         """Write the current at the boat's depth for the tick that comes."""
         state["current"][:] = self.at(int(state["tick"]), float(state["z"]))
 
-    def at(self, tick: int, depth: float) -> Line:
-        """Return the current of a tick as the line at a depth [m]."""
-        line = self.flow(tick * self.step, depth) if self.flow else STILL
-        for each in self.changes:
+    def at(self, tick: float, depth: float) -> Line:
+        """Return the current of a tick, or between two, as a depth's line."""
+        whole = bisect_left(self.changes, 1, key=lambda each: self._share(each, tick) < 1.0)
+        line = self.changes[whole - 1].line if whole else STILL  # it hides what was before
+        if not whole and self.flow:
+            line = self.flow(tick * self.step, depth)
+        for each in self.changes[whole:]:
+            if each.tick >= tick:
+                break
             line = _between(line, each.line, self._share(each, tick))
         return line
 
-    def _share(self, change: Change, tick: int) -> float:
+    def floating(self, time: float) -> tuple[float, float]:
+        """Return how the water that carries ships goes at a time, north and east [m/s]."""
+        north, east, by_north, by_east = self.at(time / self.step, FLOATING)
+        return north + by_north * FLOATING, east + by_east * FLOATING
+
+    def carried(self, time: float) -> tuple[float, float]:
+        """Return how far [m] that water has gone north and east since the start.
+
+        It follows from the orders and the time alone: whoever asks when gets the same bits.
+        """
+        changes, marks = self._carried
+        if marks[-1][0] < time:
+            marks = tuple(self._marks(marks, time))
+            if changes is self.changes:  # not ordered anew meanwhile
+                self._carried = changes, marks
+        start, north, east = marks[bisect_right(marks, time, key=itemgetter(0)) - 1]
+        by_north, by_east = self._way(start, time)
+        return north + by_north, east + by_east
+
+    def _marks(self, known: tuple[Mark, ...], time: float) -> Iterator[Mark]:
+        """Yield the marks up to a time [s]: each SPAN, and where a ramp begins or ends."""
+        yield from known
+        here, north, east = known[-1]
+        ramps = (each.tick * self.step for each in self.changes)
+        edges = sorted(edge for begun in ramps for edge in (begun, begun + self.ramp))
+        while True:
+            further = bisect_right(edges, here)
+            there = min(here + SPAN, edges[further] if further < len(edges) else math.inf)
+            if there > time:
+                return
+            by_north, by_east = self._way(here, there)
+            here, north, east = there, north + by_north, east + by_east
+            yield here, north, east
+
+    def _way(self, start: float, end: float) -> tuple[float, float]:
+        """Return how far [m] that water goes within a span, by Gauss and Legendre."""
+        long = end - start
+        rates = [(weight, *self.floating(start + 0.5 * (1.0 + x) * long)) for x, weight in GAUSS]
+        return (
+            long * sum(weight * north for weight, north, _ in rates),
+            long * sum(weight * east for weight, _, east in rates),
+        )
+
+    def _share(self, change: Change, tick: float) -> float:
         """Return how much of a change has come about, 0 to 1."""
         return min(max((tick - change.tick) * self.step / self.ramp, 0.0), 1.0)
 

@@ -95,8 +95,9 @@ def closest_approach(
 def plot(own: Own, there: Situation, limit: float) -> Plot:
     """Return how ships bear from the boat; ``limit`` [m] decides whether straight lines hold."""
     north, east = there.north - own.north, there.east - own.east
-    v_north = there.speed * np.cos(there.course) - own.speed * math.cos(own.course)
-    v_east = there.speed * np.sin(there.course) - own.speed * math.sin(own.course)
+    v_north, v_east = there.velocity()
+    v_north -= own.speed * math.cos(own.course)
+    v_east -= own.speed * math.sin(own.course)
     closest, until = closest_approach(north, east, v_north, v_east)
     bend = 0.5 * (abs(own.speed * own.turning) + np.abs(there.speed * there.turning))
     turning = bend * until * until >= BENT * limit
@@ -109,7 +110,7 @@ def plot(own: Own, there: Situation, limit: float) -> Plot:
 
 def on_arcs(own: Own, there: Situation) -> tuple[Numbers, Numbers]:
     """Return closest approach [m] and time to it [s] if all keep turning."""
-    mine = _ahead(Situation(*(np.array([each]) for each in own)))
+    mine = _ahead(Situation(*(np.array([each]) for each in (*own, 0.0, 0.0))))
     theirs = _ahead(there)
     apart = np.hypot(theirs.north - mine.north, theirs.east - mine.east)
     first = apart.argmin(axis=1)
@@ -121,7 +122,9 @@ def _ahead(now: Situation) -> Situation:
     curvature = now.turning / np.where(now.speed > 0.0, now.speed, 1.0)
     none = np.zeros_like(now.north)
     pieces = np.array([none, none, *now[:3], curvature, now.speed, none])
-    return situation(pieces[:, :, None], ARCS)
+    then = situation(pieces[:, :, None], ARCS)
+    by_north, by_east = now.set_north[:, None] * ARCS, now.set_east[:, None] * ARCS
+    return then._replace(north=then.north + by_north, east=then.east + by_east)
 
 
 def passing(

@@ -98,7 +98,7 @@ def look_at(target: Seen, eye: Eye) -> Sight | None:
     if eye.height <= 0.0 or hidden(distance, eye.height) >= target.mast:
         return None
     bearing = math.atan2(east, north)
-    aspect = math.remainder(bearing + math.pi - target.course, math.tau)
+    aspect = math.remainder(bearing + math.pi - target.heading, math.tau)
     return Sight(
         name=target.name,
         type=target.type,
@@ -238,7 +238,8 @@ class Periscope:
         if order.word == "raise":
             left = (fitted.extension_m - now.out) / rate
             then = now._replace(up=True, raised=now.raised + (not now.up))
-            return then, f"raising scope: up in {left:.0f} s{self._too_fast()}"
+            why = self.too_fast(float(self._boat.state.u))
+            return then, f"raising scope: up in {left:.0f} s{why and f'; {why}'}"
         if order.word == "lower":
             return now._replace(up=False), f"lowering scope: down in {now.out / rate:.0f} s"
         if order.word == "train":
@@ -246,10 +247,10 @@ class Periscope:
         power = LOW if order.word == "power_1.5" else HIGH
         return now._replace(power=power), f"power {power:g}: field {field_of(power):g} deg"
 
-    def _too_fast(self) -> str:
-        """Return a word of warning where the boat is too fast for its mast."""
-        most, speed = self._fitted.speed_kn_max if self._fitted else 0.0, self._boat.state.u / KNOT
-        return f"; {speed:.1f} kn is too fast for it, {most:g} at most" if speed > most else ""
+    def too_fast(self, speed: float) -> str:
+        """Return why a speed [m/s] is too fast for the mast, or ""."""
+        most, knots = self._fitted.speed_kn_max if self._fitted else math.inf, speed / KNOT
+        return f"{knots:.1f} kn is too fast for it, {most:g} at most" if knots > most else ""
 
     def _range(self, height: float, mast: Mast) -> Reply:
         """Return the distance of the ship at the wire by the height of its masthead."""

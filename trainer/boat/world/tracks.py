@@ -1,4 +1,4 @@
-"""The ways of ships over the ground in closed form: straights, turn circles, even acceleration.
+"""The ways of ships in closed form: straights, turn circles, even acceleration.
 
 A way is cut into pieces that each have one curvature and one acceleration. Where a ship is at a
 time follows from the piece of that time alone, so there is no state to keep.
@@ -55,13 +55,32 @@ class Way(NamedTuple):
 
 
 class Situation(NamedTuple):
-    """Place, course, speed and rate of turn [SI] of ships, an array each."""
+    """Place, course, speed and rate of turn [SI] of ships, an array each.
+
+    Course and speed are through the water of those that it carries, else over the ground.
+    """
 
     north: Numbers
     east: Numbers
     course: Numbers
     speed: Numbers
     turning: Numbers
+    set_north: Numbers  # [m/s] of the water that carries them
+    set_east: Numbers
+
+    def velocity(self) -> tuple[Numbers, Numbers]:
+        """Return the velocities [m/s] over the ground, north and east."""
+        north, east = self.speed * np.cos(self.course), self.speed * np.sin(self.course)
+        return north + self.set_north, east + self.set_east
+
+    def over_ground(self) -> tuple[Numbers, Numbers]:
+        """Return the courses [rad] and speeds [m/s] over the ground."""
+        carried = (self.set_north != 0.0) | (self.set_east != 0.0)
+        if not carried.any():
+            return self.course, self.speed
+        north, east = self.velocity()
+        course = np.where(carried, np.arctan2(east, north), self.course)
+        return course, np.where(carried, np.hypot(north, east), self.speed)
 
 
 def situation(pieces: Numbers, time: float | Numbers) -> Situation:
@@ -73,12 +92,14 @@ def situation(pieces: Numbers, time: float | Numbers) -> Situation:
     bent = np.abs(half) > STRAIGHT
     chord = way * np.where(bent, np.sin(half) / np.where(bent, half, 1.0), 1.0)
     now = speed + acceleration * passed
+    still = np.zeros_like(now)
     return Situation(
         north + chord * np.cos(course + half),
         east + chord * np.sin(course + half),
         course + 2.0 * half,
         now,
         now * curvature,
+        *(still, still),
     )
 
 

@@ -14,10 +14,7 @@ from trainer.identify.kernels.ship_models import magnitude
 
 @kernel
 def bent_rates(ship: Complexes, delta: float, s: Complexes, out: Complexes) -> None:
-    """Write d(z, r, psi)/dt.
-
-    ``ship`` is K, T1, T2, T3, H1, H2, H3, residual helm, SI.
-    """
+    """Write d(z, r, psi)/dt. ``ship`` is K, T1, T2, T3, H1, H2, H3, residual helm, SI."""
     K, T1, T2, T3 = ship[0], ship[1], ship[2], ship[3]
     r = s[1]
     helm = delta - ship[7]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import Entries, clear, kernel, lean, part, put_block
+from trainer.identify.kernels.kernel import Entries, kernel, lean, part, put_block
 
 Complexes = NDArray[np.complex128]
 Room = tuple[Entries, Entries]  # scratch for rows of [A B f], and for squares
@@ -165,77 +165,49 @@ def _over(
         mean[i, columns - 1 + inputs] += after[i, columns - 1]
 
 
-@kernel
-def sample_instants(
-    drift: Entries,
-    noise: Entries,
-    lag: Entries,
-    intervals: Numbers,
-    mean: Entries,
-    covariance: Entries,
-) -> None:
-    """Write the sampled systems with readings taken at the instants.
+@part
+def _part_columns(source: Entries, states: int, by: int, out: Entries) -> None:
+    """Write ``source`` to ``out``, what is behind the states ``by`` columns further on."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            out[i, j if j < states else j + by] = source[i, j]
 
-    MEAS 0, MI 4 and 7. ``drift`` (b, x+y, x+u+1), ``noise`` (b, x+y, x+y), ``lag`` (b,) [s],
-    ``intervals`` (m,) [s]; ``mean`` (b, m, x+y, x+2u+1), ``covariance`` (b, m, x+y, x+y). A reading
-    sees the input of its own instant.
+
+@kernel
+def sample_blocks(
+    blocks: tuple[Entries, Entries, Entries],
+    intervals: Numbers,
+    moving: int,
+    out: tuple[Entries, Entries],
+) -> None:
+    """Write the sampled systems, of which the first ``moving`` rows run over the interval.
+
+    MEAS 0 and 1, MI 4 and 7. ``blocks`` are drift (b, x+y, x+u+1), noise (b, x+y, x+y) and lag (b,)
+    [s], ``intervals`` (m,) [s]; ``out`` are mean (b, m, x+y, x+2u+1) and covariance (b, m, x+y,
+    x+y), zeros before. Where the states alone move, a reading sees the input of its own instant.
+    Where the readings do too, their rows are rates, and they are summed from zero.
     """
+    drift, noise, lag = blocks
+    mean, covariance = out
     batch, rows, columns = drift.shape
     inputs = mean.shape[3] - columns
     states = columns - inputs - 1
     ends = np.empty(2, drift.dtype)
-    wide = np.empty((4, states, columns), drift.dtype)
-    room = wide, np.empty((3, states, states), drift.dtype)
-    clear(mean)
-    clear(covariance)
+    stacked = np.zeros((moving, moving + inputs + 1), drift.dtype)
+    wide = np.empty((4, moving, moving + inputs + 1), drift.dtype)
+    room = wide, np.empty((3, moving, moving), drift.dtype)
+    whole = np.empty((moving, moving + 2 * inputs + 1), drift.dtype)
     for b in range(batch):
+        _part_columns(drift[b, :moving], states, moving - states, stacked)
         for m in range(intervals.size):
             ends[0] = _bound_lag(lag[b], intervals[m])
             ends[1] = intervals[m] - ends[0]
-            _over(
-                drift[b, :states],
-                noise[b, :states, :states],
-                ends,
-                room,
-                mean[b, m, :states],
-                covariance[b, m, :states, :states],
-            )
-            for i in range(states, rows):
-                for j in range(columns):
-                    mean[b, m, i, j if j < states else j + inputs] = drift[b, i, j]
+            around = covariance[b, m, :moving, :moving]
+            _over(stacked, noise[b, :moving, :moving], ends, room, whole, around)
+            for i in range(moving):
+                for j in range(mean.shape[3]):
+                    mean[b, m, i, j] = whole[i, j if j < states else j + moving - states]
+            for i in range(moving, rows):
                 for j in range(states, rows):
                     covariance[b, m, i, j] = noise[b, i, j]
-
-
-@kernel
-def sample_integrals(
-    drift: Entries,
-    noise: Entries,
-    lag: Entries,
-    intervals: Numbers,
-    mean: Entries,
-    covariance: Entries,
-) -> None:
-    """Write the sampled systems with readings summed over the interval (MEAS 1, MI 7.4).
-
-    Shapes as in ``sample_instants``; the readings' rows of ``drift`` and ``noise`` are rates.
-    """
-    batch, rows, columns = drift.shape
-    inputs = mean.shape[3] - columns
-    states = columns - inputs - 1
-    ends = np.empty(2, drift.dtype)
-    stacked = np.zeros((rows, rows + inputs + 1), drift.dtype)
-    wide = np.empty((4, rows, rows + inputs + 1), drift.dtype)
-    room = wide, np.empty((3, rows, rows), drift.dtype)
-    whole = np.empty((rows, rows + 2 * inputs + 1), drift.dtype)
-    for b in range(batch):
-        for i in range(rows):
-            for j in range(columns):
-                stacked[i, j if j < states else j + rows - states] = drift[b, i, j]
-        for m in range(intervals.size):
-            ends[0] = _bound_lag(lag[b], intervals[m])
-            ends[1] = intervals[m] - ends[0]
-            _over(stacked, noise[b], ends, room, whole, covariance[b, m])
-            for i in range(rows):
-                for j in range(mean.shape[3]):
-                    mean[b, m, i, j] = whole[i, j if j < states else j + rows - states]
+            _part_columns(drift[b, moving:], states, inputs, mean[b, m, moving:])

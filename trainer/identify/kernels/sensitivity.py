@@ -18,9 +18,9 @@ from trainer.identify.kernels.covariance_filter import (
     condition,
     has_settled,
     joint,
+    move,
     predict,
     residual,
-    steady_step,
 )
 from trainer.identify.kernels.kernel import clear, kernel, lean, part, put, put_block
 
@@ -58,10 +58,7 @@ def _half_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, half: 
 
 @part
 def _joint_slopes(mean: Numbers, half: Numbers, out: Numbers) -> None:
-    """Add dJ = dW P W' + W P dW' + W dP W' to ``out`` (x+y, x+y, p).
-
-    ``out`` has dQ already.
-    """
+    """Add dJ = dW P W' + W P dW' + W dP W' to ``out`` (x+y, x+y, p). ``out`` has dQ already."""
     rows, states, count = half.shape
     for i in range(rows):
         for j in range(i + 1):
@@ -284,7 +281,7 @@ def _rows(
         _add_slope(errors[k], squares, slope)
         _next_slopes(J, dJ, error, dv, dx)
         if constant:
-            steady_step(J, v, error, z)
+            move(J, v, error, z)
         else:
             advance(J, v, error, z, P)
         counted += 1

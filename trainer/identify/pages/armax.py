@@ -7,7 +7,7 @@ from typing import Final
 from trainer.analysis.report.plots import Screen
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.files import ConfigError
-from trainer.identify.armax_orders import (
+from trainer.identify.armax import (
     FirstOrder,
     Orders,
     detrend,
@@ -126,10 +126,9 @@ def _rows(orders: Orders) -> tuple[Row, ...]:
     found = []
     for order in orders.tried:
         fit = order.fit
-        numbers = dict(zip(fit.names, _values(fit.model, fit.names), strict=True))
-        known = zip(numbers.items(), fit.deviations, strict=True)
         coefficients = (
-            Coefficient(name, value, s if math.isfinite(s) else None) for (name, value), s in known
+            Coefficient(name, fit.model.value(name), s if math.isfinite(s) else None)
+            for name, s in zip(fit.names, fit.deviations, strict=True)
         )
         found.append(
             Row(
@@ -151,11 +150,6 @@ def _rows(orders: Orders) -> tuple[Row, ...]:
             )
         )
     return tuple(found)
-
-
-def _values(model: object, names: tuple[str, ...]) -> list[float]:
-    """Return the coefficients of these names."""
-    return [getattr(model, name[0])[int(name[1:]) - 1] for name in names]
 
 
 def _first_order(orders: Orders, output: str, interval: float) -> FirstOrder | None:

@@ -1,7 +1,7 @@
 """A rudder experiment as a page for a terminal and as a plot."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -14,6 +14,7 @@ from trainer.identify.design import Prospect, Reading, prospect
 from trainer.identify.experiment import (
     LEAD,
     Sequence,
+    ZigZagTold,
     exercise_text,
     fly_trial,
     remarks,
@@ -121,20 +122,8 @@ def _sequence(ship: Nomoto, interval: float, options: dict[str, Any]) -> Any:
         by=options["by"],
         seed=options["seed"],
     )
-    told = {
-        "settings": {
-            "bits": sequence.bits,
-            "amplitude_deg": sequence.amplitude_deg,
-            "hold_s": sequence.hold_s,
-            "periods": sequence.periods,
-            "by": sequence.by,
-            "seed": sequence.seed,
-        },
-        "reach_s": None,
-        "period_s": None,
-        "overshoots_deg": (),
-        "remarks": tuple(remarks(sequence, ship, interval)),
-    }
+    warned = tuple(remarks(sequence, ship, interval))
+    told = {"settings": asdict(sequence), "remarks": warned, **asdict(ZigZagTold())}
     return "PRBS", sequence.orders(), sequence.seconds, told
 
 
@@ -143,13 +132,10 @@ def _zigzag(file: VesselFile, speed: float, options: dict[str, Any]) -> Any:
     helm, execute = options["zigzag"]
     flight = zigzag_flight(file, speed, (helm, execute), options["seconds"])
     orders = zigzag_orders(flight, helm)
-    shown = zigzag_told(flight, execute)
     told = {
         "settings": {"helm_deg": helm, "execute_deg": execute},
-        "reach_s": shown.reach_s,
-        "period_s": shown.period_s,
-        "overshoots_deg": shown.overshoots_deg,
         "remarks": (f"the ship reaches {execute:g} deg only in a calm at just these times",),
+        **asdict(zigzag_told(flight, execute)),
     }
     return "zig-zag", orders, orders[-1][0] + LEAD, told
 

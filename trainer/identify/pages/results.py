@@ -14,7 +14,6 @@ from trainer.core.kernel import Numbers
 from trainer.identify.alternatives import PAIRED, Allowed, Rival, draw_allowed, rivals_of
 from trainer.identify.derived import DERIVATIVES, quantity_units
 from trainer.identify.fitting import Fitted, fit, settings, simulate, table_of
-from trainer.identify.innovations import Shown, losses
 from trainer.identify.measurements import Record
 from trainer.identify.minimise import Found
 from trainer.identify.nonlinear import Bend
@@ -28,13 +27,13 @@ from trainer.identify.outcome import (
     sizes_of,
     terms_of,
 )
-from trainer.identify.prediction_error import MultiStep
+from trainer.identify.prediction_error import MultiStep, Shown, loss_1
 from trainer.identify.problem import Problem
 from trainer.identify.residuals import Residuals, aic_of_likelihood, examine_residuals, verdicts
 from trainer.identify.study import Observed, Study, observe, studies_of
 from trainer.identify.study_records import Ship
 from trainer.identify.uncertainty import intervals
-from trainer.identify.validation import Check, alone, bend_of, check_of, loss_alone
+from trainer.identify.validation import Check, alone, bend_of, check_of
 from trainer.units import KNOT
 
 
@@ -242,6 +241,7 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: S
     """Return what a fit amounts to. ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
     residuals, own = _residuals(fitted, run), plant.model.system
+    samples = problem.samples
     return Report(
         study=study.heading.name,
         source=fitted.record.source,
@@ -260,8 +260,8 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: S
         steps=fitted.found.steps,
         log_likelihood=fitted.log_likelihood,
         aic=aic_of_likelihood(fitted.log_likelihood, len(problem.names)),
-        loss_1=losses(run).V1,
-        loss_1_alone=loss_alone(fitted),
+        loss_1=loss_1(run.errors[run.counted]),
+        loss_1_alone=loss_1(samples.outputs - alone(problem, fitted.found.theta)),
         simulated=fitted.simulated,
         screened=_outliers(fitted),
         parameters=_parameters(fitted),

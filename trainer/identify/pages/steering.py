@@ -32,10 +32,7 @@ class Loop(NamedTuple):
 
 @dataclass(frozen=True)
 class AtSpeed:
-    """How the ship steers at one speed, SI.
-
-    T_imag is of a complex pair T1 and T2.
-    """
+    """How the ship steers at one speed, SI. T_imag is of a complex pair T1 and T2."""
 
     speed_kn: float
     numbers: dict[str, float]  # by UNITS, and T_imag

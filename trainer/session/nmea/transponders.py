@@ -1,7 +1,7 @@
 """The transponders of ships near, as the boat's receiver hears them.
 
 Each reports as often as ITU-R M.1371 has it, at times of its own. It is heard while the boat's
-mast is out of the water, and as far as the heights of both antennas let it be.
+antenna is out of the water, and as far as the heights of both antennas let it be.
 """
 
 import math
@@ -15,6 +15,7 @@ from trainer.config.contacts import TYPES
 from trainer.io import ais
 from trainer.io.ais import Field, Particulars, Report
 from trainer.io.chart import Chart
+from trainer.session.stations.plot import eye, looks, periscope
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
@@ -34,8 +35,12 @@ SLOW: Final = 180.0  # [s] at anchor, and of class B below 2 kn
 def antenna(frame: Frame) -> float:
     """Return the height [m] of the boat's antenna over the water.
 
-    Its mast is up by RAISED at periscope depth; a boat without one has it on the sail.
+    It is the head of the periscope, minus infinity while that is in its well. A boat without one
+    has a mast that is up by RAISED at periscope depth; one without such a depth, it on the sail.
     """
+    if periscope(frame):
+        over = eye(frame) if looks(frame) else None
+        return -math.inf if over is None else over
     depth = frame.boat.file.run.periscope_depth_m
     if depth is not None:
         return depth + RAISED - frame["z"] - frame["eta_wave"]
@@ -116,7 +121,7 @@ class Transponders:
             longitude=longitude,
             speed=ship.speed / KNOT,
             course=math.degrees(ship.course),
-            heading=math.degrees(ship.course),
+            heading=math.degrees(ship.heading),
             turning=math.degrees(ship.turning) * 60.0,
             second=(self._start + timedelta(seconds=now)).second,
             status=ais.STATUS[ship.status],

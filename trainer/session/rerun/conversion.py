@@ -1,5 +1,6 @@
 """A recording made into a file for Rerun's viewer."""
 
+import sys
 from collections.abc import Iterator, Sequence
 from itertools import chain, islice
 from pathlib import Path
@@ -8,9 +9,11 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.boat import Boat
+from trainer.boat.world.world import world_of
 from trainer.io.atomic_write import replacing
 from trainer.io.recording.recording import Flown, Noted, Recording
 from trainer.session.header import layout_of, plan_of
+from trainer.session.history import settle_world
 from trainer.session.rerun.batch import Batch, Block, Subject, Times, Told, Worked, states
 from trainer.session.rerun.sinks import RrdFile
 
@@ -24,7 +27,10 @@ def write_record(recording: Recording, path: Path, branch: int) -> None:
     """
     header = recording.header()
     plan = plan_of(header)
-    subject = Subject.of(plan, Boat(plan.file, plan.method))
+    boat = Boat(plan.file, plan.method)
+    boat.world = world_of(boat, plan.around)
+    settle_world(boat, recording, branch, sys.maxsize)
+    subject = Subject.of(plan, boat)
     parts = batches(recording, branch, layout_of(header), subject.step)
     first = next(parts)  # nothing is replaced where there is nothing to write
     with replacing(path) as made:

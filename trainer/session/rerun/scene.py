@@ -1,21 +1,26 @@
-"""The scene: the boat, its moving surfaces, its track, the sea, the depths that count.
+"""The scene: the boat, its moving surfaces, its track, sea, ground, ships, depths that count.
 
 The world is north, east and down [m], with its origin where the run's is. What surrounds the boat
 follows the boat in whole squares of its grid, so that the boat is seen to move through it.
 """
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.boat.world.bottom import ground_under
+from trainer.boat.world.contacts import Seen, contacts_in
+from trainer.config.bottom import Bottom, depths_at
 from trainer.core.kernel import Numbers
 from trainer.session.rerun.batch import Block, Changes, Subject, Times
 from trainer.session.rerun.charts import depth_kept
 from trainer.session.rerun.outlet import Outlet
 from trainer.session.rerun.sdk import rr
 from trainer.session.rerun.shape import Mesh, fins_of, hull_mesh, sail_mesh, size_of
+from trainer.units import KNOT
 
 
 class Track:
@@ -57,8 +62,11 @@ class Track:
 
 WORLD, BOAT, FOLLOWER, TRACK = "world", "world/boat", "world/follower", "world/track"
 NEAR, SEA, ORDERED = "world/near", "world/near/sea", "world/near/ordered"
+GROUND, SHIPS, COURSES = "world/near/ground", "world/ships", "world/ships/courses"
 SQUARES: Final = 6  # of the grid, from the boat to the end of the sea
 FINE: Final = 8  # pieces of the track to a length of the boat
+DRAWN: Final = 1.0  # [s] from one picture of the ships to the next
+AHEAD: Final = 60.0  # [s] of the way that a ship's arrow shows
 Colour = tuple[int, int, int, int]
 HULL: Final[Colour] = (96, 104, 112, 255)
 SAIL: Final[Colour] = (80, 88, 96, 255)
@@ -67,6 +75,8 @@ WATER: Final[Colour] = (86, 180, 233, 40)
 GRID: Final[Colour] = (86, 180, 233, 110)
 ASKED: Final[Colour] = (230, 159, 0, 255)
 FORBIDDEN: Final[Colour] = (204, 121, 167, 255)
+SAND: Final[Colour] = (148, 128, 96, 255)
+SHIP: Final[Colour] = (0, 158, 115, 255)
 WAKE: Final[Colour] = (240, 228, 66, 255)
 
 
@@ -81,6 +91,8 @@ class Scene:
         self._square = self._size.length
         self._changes = Changes()
         self._track = Track(self._size.length / FINE)
+        self._ground = ground_under(subject.boat)
+        self._every = max(round(DRAWN / subject.step), 1)  # ticks
 
     def begin(self) -> None:
         """Write what is the same at all times."""
@@ -115,6 +127,7 @@ class Scene:
             columns = rr.LineStrips3D.columns(strips=strips, colors=colours, radii=radii)
             send(TRACK, times, columns)
         self._write_surroundings(block, place)
+        self._write_ships(block)
 
     def _send(self, path: str, block: Block, rows: Any, columns: Any) -> None:
         if rows.any():
@@ -124,6 +137,9 @@ class Scene:
         """Write the sea about the boat, and the depths that are not to be passed."""
         fix, reach = self._outlet.fix, SQUARES * self._square
         fix(f"{SEA}/surface", draw_mesh(square(reach), WATER))
+        if self._ground:
+            triangles = level_triangles(2 * SQUARES + 1)
+            fix(GROUND, rr.Mesh3D.from_fields(triangle_indices=triangles, albedo_factor=SAND))
         lines = grid(reach, self._square)
         fix(f"{SEA}/grid", rr.LineStrips3D(lines, colors=GRID, radii=0.0015 * self._square))
         for name, depth in depths(self._subject).items():
@@ -141,6 +157,8 @@ class Scene:
         near[:, :2] = self._square * np.round(place[:, :2] / self._square)
         rows = self._changes.of(NEAR, near)
         self._send(NEAR, block, rows, rr.Transform3D.columns(translation=near[rows]))
+        if self._ground and rows.any():
+            self._send(GROUND, block, rows, self._grounds(self._ground, near[rows]))
 
         level = np.zeros_like(place)
         level[:, 2] = -block["eta_wave"]
@@ -151,6 +169,37 @@ class Scene:
         rows = self._changes.of(ORDERED, depth)
         if rows.any():
             self._send(ORDERED, block, rows, self._ordered(depth[rows]))
+
+    def _grounds(self, ground: Bottom, places: Numbers) -> Any:
+        """Return the columns of the ground about each of the places."""
+        offsets = np.linspace(-SQUARES, SQUARES, 2 * SQUARES + 1) * self._square
+        triangles = level_triangles(offsets.size)
+        north, east = (each.ravel() for each in np.meshgrid(offsets, offsets, indexing="ij"))
+        meshes = [
+            Mesh(
+                np.column_stack((north, east, depths_at(ground, north + n, east + e))).astype(
+                    np.float32
+                ),
+                triangles,
+            )
+            for n, e in places[:, :2].tolist()
+        ]
+        columns = rr.Mesh3D.columns(
+            vertex_positions=np.concatenate([mesh.points for mesh in meshes]),
+            vertex_normals=np.concatenate([mesh.normals() for mesh in meshes]),
+        )
+        return columns.partition(np.full(len(meshes), north.size, np.int32))
+
+    def _write_ships(self, block: Block) -> None:
+        """Show where ships were, and where they went."""
+        contacts = contacts_in(self._subject.boat)
+        if contacts is None or not contacts.any:
+            return
+        rows = block.times.ticks % self._every == 0
+        seen = [contacts.seen(tick) for tick in block.times.ticks[rows].tolist()]
+        if seen:
+            for path, columns in ship_columns(seen):
+                self._send(path, block, rows, columns)
 
     def _ordered(self, depths: Numbers) -> Any:
         """Return the columns of the ordered depth, empty where none is kept."""
@@ -166,6 +215,36 @@ class Scene:
             radii=np.full(count, 0.006 * self._square),
         )
         return columns.partition(kept.astype(np.int32))
+
+
+def ship_columns(seen: Sequence[Sequence[Seen]]) -> Iterator[tuple[str, Any]]:
+    """Yield columns of points and arrows for the ships at some ticks, by paths."""
+    counts = np.array([len(each) for each in seen], np.int32)
+    ships = [ship for each in seen for ship in each]
+    places = np.array([(ship.north, ship.east, 0.0) for ship in ships]).reshape(-1, 3)
+    sailed = [AHEAD * ship.speed for ship in ships]
+    ways = [
+        (way * math.cos(ship.course), way * math.sin(ship.course), 0.0)
+        for way, ship in zip(sailed, ships, strict=True)
+    ]
+    colours = np.full(len(ships), colour_code(SHIP), np.uint32)
+    points = rr.Points3D.columns(
+        positions=places,
+        labels=[ship_label(ship) for ship in ships],
+        radii=[0.25 * ship.length for ship in ships],
+        colors=colours,
+    )
+    yield SHIPS, points.partition(counts)
+    arrows = rr.Arrows3D.columns(
+        origins=places, vectors=np.array(ways).reshape(-1, 3), colors=colours
+    )
+    yield COURSES, arrows.partition(counts)
+
+
+def ship_label(ship: Seen) -> str:
+    """Return what a ship is called, with its course and speed over the ground."""
+    course = round(math.degrees(ship.course)) % 360
+    return f"{ship.name} {course:03d} {ship.speed / KNOT:.1f} kn"
 
 
 def depths(subject: Subject) -> dict[str, float]:
@@ -197,6 +276,14 @@ def square(reach: float) -> Mesh:
         (-reach, reach, 0.0),
     ]
     return Mesh(np.array(corners, np.float32), np.array([(0, 1, 2), (0, 2, 3)], np.uint32))
+
+
+def level_triangles(count: int) -> NDArray[np.uint32]:
+    """Return the triangles of a square lattice, by its points to a side."""
+    corner = np.arange(count * (count - 1), dtype=np.uint32).reshape(-1, count)[:, :-1].ravel()
+    north, east = corner + count, corner + 1
+    pairs = ((corner, east, north), (east, north + 1, north))
+    return np.concatenate([np.stack(each, axis=1) for each in pairs]).astype(np.uint32)
 
 
 def outline(reach: float, depth: float) -> Numbers:

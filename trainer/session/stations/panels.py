@@ -48,6 +48,7 @@ class Channel:
     name: str
     says: str
     fields: tuple[Field, ...]
+    fastest: float = math.inf  # [Hz] it is sent at, whatever is wished
 
     def values(self, frame: Frame) -> list[str]:
         """Return the fields of one tick."""

@@ -44,11 +44,12 @@ def plotted(frame: Frame) -> tuple[int, tuple[Plotted, ...]]:
         return 0, ()
     ships, there = contacts.fleet(frame.tick).order, contacts.at(frame.tick)
     seen = plot(Own.of(frame), there, contacts.encounters.cpa_m)
+    course, speed = there.over_ground()
     nearest = np.argsort(seen.range, kind="stable")[:MOST].tolist()
     rows = (
         (
             *(ships[i].name, ships[i].kind, seen.bearing[i], seen.range[i]),
-            *(there.course[i], there.speed[i], seen.closest[i], seen.until[i]),
+            *(course[i], speed[i], seen.closest[i], seen.until[i]),
         )
         for i in nearest
     )
@@ -245,6 +246,7 @@ SCOPE: Final = Channel(
         word("sighted", sighted),
         *(field for place in range(SHOWN) for field in sight_fields(place)),
     ),
+    fastest=10.0,
 )
 SWELL: Final = Channel(
     "swell",

@@ -29,7 +29,13 @@ from trainer.session.stations.roles import (
     hears,
     refusal,
 )
-from trainer.session.stations.subscriptions import Sending, Subscriptions, unknown, why_barred
+from trainer.session.stations.subscriptions import (
+    Sending,
+    Subscriptions,
+    rate_of,
+    unknown,
+    why_barred,
+)
 
 ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait
 ORDERS_AT_ONCE: Final = 100
@@ -323,9 +329,10 @@ class Station:
         if why is not None:
             self._refuse(heard, order, why)
             return
-        often = f"at most {order.value:g} a second" if order.value else "every tick"
+        rate = rate_of(channel, order.value)
+        often = f"at most {rate:g} a second" if rate else "every tick"
         self._answer(heard, f"{channel}: {'as they happen' if channel == EVENTS else often}")
-        self.wishes.begin(channel, order.value, self.role, machine=heard.machine)
+        self.wishes.begin(channel, rate, self.role, machine=heard.machine)
 
     def _unsubscribe(self, heard: Heard, order: Order) -> None:
         self._answer(heard, self.wishes.cancel(order.subject))

@@ -278,6 +278,12 @@ class Subscriptions:
         return f"no more {', '.join(ended)}" if ended else "nothing was subscribed"
 
 
+def rate_of(channel: str, wished: float) -> float:
+    """Return how often [Hz] a channel is sent at most; 0: at every tick."""
+    fastest = CHANNELS[channel].fastest if channel in CHANNELS else math.inf
+    return wished if math.isinf(fastest) else min(wished or fastest, fastest)
+
+
 def unknown(channel: str, role: Role) -> str:
     """Return why there is no such channel, naming the nearest that ``role`` has. "" if there is."""
     if channel in (*CHANNELS, TELETYPE, EVENTS):

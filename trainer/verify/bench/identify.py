@@ -239,7 +239,7 @@ def fit(problem: Problem, other: Other) -> list[Row]:
     The latter's is the likelihoods that its minimiser asks for, at what one takes it.
     """
     cost, begin = Likelihood(problem), TANKER.start()
-    works: list[Callable[[], object]] = [lambda: estimate(cost, begin, "auto", Search())]
+    works: list[Callable[[], object]] = [lambda: estimate(cost, begin, "scoring", Search())]
     asked, name = 0, "fit, of statsmodels' BFGS"
     if other.make:
         works.append(other.make(problem, begin))

@@ -19,7 +19,7 @@ from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Samples
 from trainer.identify.minimise import Search
 from trainer.identify.problem import Problem
-from trainer.identify.track import along, smooth_spencer, sway_of_track
+from trainer.identify.track import along, derivative, smooth_spencer
 from trainer.identify.uncertainty import beside_bounds, uncertainty
 from trainer.identify.validation import draw_outputs
 from trainer.units import KNOT
@@ -87,7 +87,8 @@ def fit_model(sailed: Voyage, *, smooth: bool) -> tuple[Problem, Numbers, Number
     x0, y0 = along(sailed.east, sailed.north, 0.0)
     if smooth:
         x0, y0 = smooth_spencer(x0), smooth_spencer(y0)
-    sway = sway_of_track(x0, y0, np.radians(sailed.heading), TANKER.period) / KNOT
+    v_x, v_y = (derivative(one, TANKER.period) for one in (x0, y0))
+    sway = along(v_y, v_x, np.radians(sailed.heading))[1] / KNOT
     free = tuple(name for name in TANKER.free if name != "lag")
     truth = {**TANKER.truth, "lag": 0.0}
     # neighbours differ by the error alone
@@ -98,7 +99,7 @@ def fit_model(sailed: Voyage, *, smooth: bool) -> tuple[Problem, Numbers, Number
     outputs = np.column_stack([sway, sailed.rate, sailed.heading])
     problem = problem.on(Samples(problem.samples.t, outputs, problem.samples.inputs))
     cost = Likelihood(problem)
-    theta = estimate(cost, rehearsal.start(), "auto", Search()).theta
+    theta = estimate(cost, rehearsal.start(), "scoring", Search()).theta
     known_to = beside_bounds(uncertainty(problem.names, cost.information(theta)))
     return problem, theta, known_to.deviations
 

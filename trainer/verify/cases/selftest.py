@@ -11,8 +11,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.armax import Armax, fit_armax
-from trainer.identify.armax_orders import without_wind
+from trainer.identify.armax import Armax, fit_armax, without_wind
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.residuals import aic_of_loss, f_test
 from trainer.verify.cases.decca import by_lanes

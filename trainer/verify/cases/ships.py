@@ -74,7 +74,7 @@ def _fit_records(
     for seed in range(records):
         stream = np.random.Generator(np.random.PCG64(seed))
         one = problem.on(change(draw_outputs(problem, problem.start, stream)))
-        theta = estimate(Likelihood(one), rehearsal.start(), "auto", Search()).theta
+        theta = estimate(Likelihood(one), rehearsal.start(), "scoring", Search()).theta
         found.append((one, theta))
     return found
 
@@ -189,7 +189,7 @@ def _linear(bent: Bent, angle: float) -> dict[str, float]:
     rehearsal = Rehearsal("3", ship, ("yaw_rate", "heading"), 5.0, truth, free, {})
     problem = rehearsal.problem(rudder)
     problem = problem.on(replace(problem.samples, outputs=motion))
-    found = estimate(Innovations(problem, no_gain), problem.start, "auto", Search(300))
+    found = estimate(Innovations(problem, no_gain), problem.start, "scoring", Search(300))
     f = nomoto_of(problem.plant.model, problem.whole(found.theta), ship)
     return {"K": f.K, "T1": f.T1.real, "T2": f.T2.real, "T3": f.T3}
 
@@ -245,7 +245,7 @@ def sway_alone(records: int = SWAY_RECORDS) -> Iterator[Figure]:
         stream = np.random.Generator(np.random.PCG64(seed))
         samples = draw_outputs(island, island.start, stream)
         cost = Likelihood(problem.on(replace(samples, outputs=samples.outputs[:, :1])))
-        theta = estimate(cost, problem.start, "auto", Search()).theta
+        theta = estimate(cost, problem.start, "scoring", Search()).theta
         known = beside_bounds(uncertainty(problem.names, cost.information(theta)))
         low, high = uncertainty_module.intervals(problem, theta, known.deviations).T
         inside.append(((low <= problem.start) & (problem.start <= high))[:4])
@@ -273,7 +273,7 @@ def other_half() -> Iterator[Figure]:
         Samples(record.t[half], record.outputs[half], record.inputs[half])
         for half in (slice(0, 600), slice(600, 1200))
     )
-    found = estimate(Likelihood(whole.on(first)), TANKER.start(), "auto", Search()).theta
+    found = estimate(Likelihood(whole.on(first)), TANKER.start(), "scoring", Search()).theta
     errors = []
     for theta in (found, whole.start):
         problem = whole.on(second)
@@ -348,7 +348,7 @@ def bent_hull() -> Iterator[Figure]:
         rudder, readings = zig_zag_of(problem, angle)
         samples = Samples(problem.samples.t, readings, rudder[:, None])
         fit = estimate(
-            Innovations(problem.on(samples), no_gain), problem.start, "auto", Search(300)
+            Innovations(problem.on(samples), no_gain), problem.start, "scoring", Search(300)
         )
         found[angle] = float(fit.theta[problem.names.index("N_v")]) / true
     yield Figure("S10", "N_v by 10/10, of the true", 0.0, found[10.0], 0.95)

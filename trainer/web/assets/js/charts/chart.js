@@ -10,6 +10,8 @@ const SMALLEST = 4; // [px] of a side that is worth drawing on
 
 /** A canvas that fills its element, sharp at every size, drawn anew when size or palette change. */
 export class Chart extends HTMLElement {
+  finest = Infinity; // [px] of the longer side: a larger picture is drawn so fine, and stretched
+
   connectedCallback() {
     if (this.canvas) return;
     this.setAttribute("role", "img");
@@ -29,7 +31,7 @@ export class Chart extends HTMLElement {
     const pen = canvas?.getContext("2d");
     const { width, height } = this.getBoundingClientRect();
     if (!canvas || !pen || width < SMALLEST || height < SMALLEST) return null;
-    const ratio = devicePixelRatio;
+    const ratio = Math.min(devicePixelRatio, this.finest / Math.max(width, height));
     const [wide, high] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (canvas.width !== wide || canvas.height !== high) [canvas.width, canvas.height] = [wide, high];
     const style = getComputedStyle(this);

@@ -13,6 +13,7 @@ const DROPS = 1.5; // [s] on the glass after it was washed over
 const WINDOW = 0.12; // [m] half the height of the glass
 /** @type {Record<string, number>} width of the view [rad] by power */
 const FIELDS = { 1.5: 32 * DEGREE, 6: 8 * DEGREE };
+const FINEST = 720; // [px] of a side: a soft picture, which changes whole fifteen times a second
 const OVERLAP = 1.06; // of what is drawn over what is seen, for a view that rolls
 
 /**
@@ -55,6 +56,7 @@ const LIGHTS = {
 class ScopeView extends Chart {
   constructor() {
     super();
+    this.finest = FINEST;
     this.sea = new Sea();
     this.water = new Water();
     /** @type {Scene | null} */
@@ -62,6 +64,11 @@ class ScopeView extends Chart {
     this.mask = document.createElement("canvas");
     this.washed = -Infinity; // [s] when the glass was last under water
     this.eye = 0; // [m] over the waves
+  }
+
+  connectedCallback() {
+    super.connectedCallback();
+    this.canvas?.getContext("2d", { alpha: false }); // what is behind it need not be mixed in
   }
 
   /** @param {Scene} scene */
@@ -82,7 +89,7 @@ class ScopeView extends Chart {
     if (shown === "dark") this.tell(area, scene.words);
     else {
       wires(area, scene, radius, light);
-      pen.drawImage(this.tube(width, height, radius), 0, 0, width, height);
+      this.cover(pen);
     }
   }
 
@@ -149,15 +156,21 @@ class ScopeView extends Chart {
     return scene.view;
   }
 
-  /** Returns the black tube round the view, drawn once for a size. @param {number} width @param {number} height @param {number} radius */
-  tube(width, height, radius) {
+  /** Lays the black tube over the view, pixel on pixel. @param {CanvasRenderingContext2D} pen */
+  cover(pen) {
+    pen.resetTransform();
+    pen.drawImage(this.tube(pen.canvas.width, pen.canvas.height), 0, 0);
+  }
+
+  /** Returns the tube round the view, drawn once for a size [px]. @param {number} width @param {number} height */
+  tube(width, height) {
     const { mask } = this;
-    const [wide, high] = [Math.round(width), Math.round(height)];
-    if (mask.width === wide && mask.height === high) return mask;
-    [mask.width, mask.height] = [wide, high];
+    if (mask.width === width && mask.height === height) return mask;
+    [mask.width, mask.height] = [width, height];
     const pen = mask.getContext("2d");
     if (!pen) return mask;
     const [x, y] = [0.5 * width, 0.5 * height];
+    const radius = Math.min(x, y) - 2;
     const shade = pen.createRadialGradient(x, y, 0.9 * radius, x, y, radius);
     shade.addColorStop(0, "#00000000");
     shade.addColorStop(1, "#000000");

@@ -1,16 +1,18 @@
 // The sea as it is seen from a little above it: ranges from far to near, each over the one before.
 import { parts } from "./ships.js";
 
-const COLUMNS = 96;
+const COLUMNS = 97;
 const RANGES = 32;
 const NEAREST = 5; // [m]
 const FURTHEST = 1000; // [m] beyond it waves are a line
 const TONES = 33; // of one range
 const STEEP = 0.2; // slope that has the darkest tone
-const STOPS = 3; // columns from one stop of a range's colours to the next
+const STOPS = 4; // columns from one stop of a range's colours to the next
+const CLOSE = 60; // [m] nearer than which waves are wide on the screen, and need few corners
+const CORNERS = [4, 2]; // columns from corner to corner, close and further away
 const RIPPLES = 160; // [m] to which the wind's own ripples are seen
 const EARTH = 6371e3 / 0.8279; // [m] by which light is bent, as the session has it
-const OVERLAP = 1; // [px] of ranges over each other
+const OVERLAP = 3; // [px] of ranges under nearer ones, whose corners are others
 
 /**
  * @typedef {{ dark: string, mean: string, light: string, far: string, foam: string }} Colours
@@ -131,12 +133,13 @@ export class Water {
       paint.addColorStop(column / (COLUMNS - 1), this.paints[range][this.toneOf(range, column, seconds)]);
     }
     const [far, near] = [range * COLUMNS, (range - 1) * COLUMNS];
+    const step = CORNERS[this.ranges[range] < CLOSE ? 0 : 1];
     pen.fillStyle = paint;
     pen.beginPath();
-    for (let column = 0; column < COLUMNS; column++) {
+    for (let column = 0; column < COLUMNS; column += step) {
       pen.lineTo(this.across(column, outlook), this.heights[far + column]);
     }
-    for (let column = COLUMNS - 1; column >= 0; column--) {
+    for (let column = COLUMNS - 1; column >= 0; column -= step) {
       const below = Math.max(this.heights[near + column], this.heights[far + column]);
       pen.lineTo(this.across(column, outlook), below + OVERLAP);
     }
