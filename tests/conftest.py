@@ -31,7 +31,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         return
     if "core" not in session.config.option.markexpr:
         install("chromium", "chromium", 600.0)
-    first = [["trainer.session.precompilation"]]
+    first = [["trainer.session.warm_up"]]
     with tempfile.TemporaryDirectory() as folder:
         if "core" not in session.config.option.markexpr:
             few = ["--members", "2", "--jobs", "1", "--out", f"{folder}/few"]

@@ -26,8 +26,8 @@ from trainer.io.orders.grammar import BadOrder, Order, parse
 from trainer.io.paths import HOST, recording_paths
 from trainer.io.serial_line import LinkError
 from trainer.io.server import Server, parse_address, private_folder
-from trainer.session.stations import access
-from trainer.session.stations.access import Access, read_tokens, refuse_open_door
+from trainer.session.stations import roles
+from trainer.session.stations.roles import Access, read_tokens, refuse_open_door
 
 HOME = Path(trainer.__file__).parent
 SOURCES = sorted(HOME.rglob("*.py"))
@@ -222,7 +222,7 @@ def test_a_token_is_compared_in_constant_time(monkeypatch: pytest.MonkeyPatch) -
         compared.append((given, wanted))
         return compare(given, wanted)
 
-    monkeypatch.setattr(access.hmac, "compare_digest", watched)  # type: ignore[attr-defined]
+    monkeypatch.setattr(roles.hmac, "compare_digest", watched)  # type: ignore[attr-defined]
     assert not Access(tokens={"": TOKEN}).admits("helm", "another")
     assert Access(tokens={"": TOKEN}).admits("helm", TOKEN)
     assert len(compared) == 2

@@ -3,6 +3,7 @@
 import ast
 import statistics
 import tomllib
+from collections import Counter
 from pathlib import Path
 
 import grimp
@@ -34,6 +35,16 @@ PACKAGES = {
     ),
 }
 FILES = {"__init__.py", "__main__.py", "units.py"}
+MOST = {  # modules, in the rooms that were made fewer
+    "io": 27,
+    "config": 29,
+    "session": 50,
+    "console": 25,
+    "web": 7,
+    "analysis": 82,
+    "verify": 38,
+    "cli": 20,
+}
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 MODULES = [path for path in SOURCES if path.name != "__init__.py"]
 
@@ -49,8 +60,9 @@ def test_no_module_lies_beside_a_package_of_its_name() -> None:
 
 
 def test_modules_are_few_and_short() -> None:
-    # 395 of the house; exercises, boats, hulls, Python, a page, records, ships, trials, the world
-    assert len(MODULES) <= 500
+    counted = Counter(path.relative_to(PACKAGE).parts[0] for path in MODULES)
+    assert not {room: counted[room] for room, most in MOST.items() if counted[room] > most}
+    assert len(MODULES) <= 450
     longest = max(SOURCES, key=lambda path: len(path.read_text(encoding="utf-8").splitlines()))
     assert len(longest.read_text(encoding="utf-8").splitlines()) <= 500, longest
 
@@ -147,4 +159,4 @@ def test_the_names_in_the_exported_header_stay(name: str) -> None:
 
 
 def test_a_sweep_s_facts_stay_where_they_are() -> None:
-    assert 'b"trainer.sweep"' in Path(PACKAGE / "analysis/sweep/parquet.py").read_text()
+    assert 'b"trainer.sweep"' in Path(PACKAGE / "analysis/sweep/results.py").read_text()

@@ -11,9 +11,8 @@ import pytest
 from helpers.places import DATA, ROOT
 
 from trainer.analysis import check as check_module
-from trainer.analysis.check import Report, check, flights, round_speeds
+from trainer.analysis.check import Report, check, compare_turns, flights, round_speeds
 from trainer.analysis.check_page import render
-from trainer.analysis.steady_turn import compare_turns
 from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
 from trainer.boat.linear import bring_to, modes, respond
@@ -533,7 +532,7 @@ def test_a_turn_that_cannot_be_flown_says_why() -> None:
 
 def test_a_turn_that_loses_its_numbers_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
     # a boat in trim hardly can any more
-    monkeypatch.setattr("trainer.analysis.steady_turn.Boat.tick", lambda _: 4)
+    monkeypatch.setattr("trainer.analysis.check.Boat.tick", lambda _: 4)
     turn = compare_turns(load_vessel("sdv-mk9"))
 
     assert turn.full is None

@@ -28,14 +28,13 @@ from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.debrief.measures import broach_rows
 from trainer.analysis.debrief.page import Asked, beside, debrief_file, read_dossier, render
 from trainer.analysis.recording_export import export_file
-from trainer.analysis.report import pdf
-from trainer.analysis.report.html import HERE
-from trainer.analysis.report.pdf import print_pdf
+from trainer.analysis.report import html
+from trainer.analysis.report.html import HERE, print_pdf
 from trainer.analysis.report.svg import Ground, clock, step_of, thin, ticks
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, remembering, shipped
-from trainer.config.measures import MEASURES
+from trainer.config.score_rules import MEASURES
 from trainer.config.vessel import load_vessel
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import NoFile
@@ -44,7 +43,7 @@ from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.session import Session
-from trainer.session.stations.access import Access
+from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import StateReader
@@ -52,7 +51,7 @@ from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
 STYLE = (HERE / "debrief.css").read_text(encoding="utf-8")
-BROWSER = pdf.find_browser()
+BROWSER = html.find_browser()
 browsing = pytest.mark.skipif(BROWSER is None, reason="no Chromium, Chrome or Edge here")
 
 
@@ -804,7 +803,7 @@ def test_the_command_writes_the_page_of_a_run(tmp_path: Path) -> None:
 def test_without_a_browser_the_next_step_is_told(
     wound_back: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pdf, "find_browser", lambda: None)
+    monkeypatch.setattr(html, "find_browser", lambda: None)
     with pytest.raises(ConfigError, match="no Chromium, Chrome or Edge is on this machine"):
         debrief_file(wound_back, None, tmp_path / "a.pdf", Asked(), as_json=False)
     assert list(tmp_path.iterdir()) == []
@@ -814,7 +813,7 @@ def test_a_browser_that_prints_nothing_is_told_with_what_it_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "page.html").write_text("<p>hello</p>")
-    monkeypatch.setattr(pdf, "find_browser", lambda: sys.executable)
+    monkeypatch.setattr(html, "find_browser", lambda: sys.executable)
     with pytest.raises(ConfigError, match=r"printed nothing: Try .*for more information"):
         print_pdf(tmp_path / "page.html", tmp_path / "page.pdf")
 

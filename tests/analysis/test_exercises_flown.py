@@ -10,9 +10,13 @@ import numpy as np
 import pytest
 from helpers.places import ROOT
 
-from trainer.analysis.baseline import (
+from trainer.analysis.debrief.data import gather
+from trainer.analysis.debrief.judgement import judge, plain_marks
+from trainer.analysis.debrief.scoring import Scorecard
+from trainer.analysis.exercise_page import (
     Flown,
     baseline_of,
+    check,
     crew_card,
     fly_at,
     keep,
@@ -20,10 +24,6 @@ from trainer.analysis.baseline import (
     study,
     varies,
 )
-from trainer.analysis.debrief.data import gather
-from trainer.analysis.debrief.judgement import judge, plain_marks
-from trainer.analysis.debrief.scoring import Scorecard
-from trainer.analysis.exercise_page import check
 from trainer.analysis.rehearsal import CREW, Rehearsal, fly
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import insert

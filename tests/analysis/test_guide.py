@@ -11,9 +11,16 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from trainer.analysis.guide import document, programme, trials, verdicts
-from trainer.analysis.guide.baseline import compare_guides, leaves, load_earlier
-from trainer.analysis.guide.contents import GuideContents, assemble, write
+from trainer.analysis.guide import page as guide_page
+from trainer.analysis.guide import programme, trials, verdicts
+from trainer.analysis.guide.contents import (
+    GuideContents,
+    assemble,
+    compare_guides,
+    leaves,
+    load_earlier,
+    write,
+)
 from trainer.analysis.guide.programme import Task, fly_all, legs, legs_of_1969
 from trainer.analysis.guide.summary import render
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, judge_measure
@@ -23,7 +30,7 @@ from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT, Measure, share
 from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
-from trainer.analysis.report.pdf import find_browser
+from trainer.analysis.report.html import find_browser
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method
 from trainer.cli.guide import guide, manoeuvre
@@ -43,7 +50,7 @@ def book() -> GuideContents:
 
 @pytest.fixture(scope="module")
 def page(book: GuideContents) -> str:
-    return document.render(book, None)
+    return guide_page.render(book, None)
 
 
 # --- verdicts
@@ -279,7 +286,7 @@ def test_published_results_stand_beside_ours(book: GuideContents, page: str) -> 
 def test_the_same_guide_twice_is_the_same_page(book: GuideContents, page: str) -> None:
     later = assemble(book.file, book.legs, "2026-01-01 00:00:01 UTC", book.flown)
 
-    assert document.render(later, None).replace("00:00:01", "00:00:00") == page
+    assert guide_page.render(later, None).replace("00:00:01", "00:00:00") == page
 
 
 def test_the_page_stands_alone_and_its_chapters_are_linked(page: str) -> None:
@@ -352,7 +359,7 @@ def test_a_sheet_in_which_nothing_is_judged_is_counted_as_not_judged(book: Guide
     some = unjudged(book, 2)
     judged = len(book.guide.sheets) - 2
 
-    text, html = render(some.guide, None), document.render(some, None)
+    text, html = render(some.guide, None), guide_page.render(some, None)
 
     told = f"manoeuvres within tolerance, {judged} of {judged} judged, 2 not judged;"
     assert f"modified: {told}" in " ".join(text.split())
@@ -366,7 +373,7 @@ def test_a_guide_in_which_nothing_is_judged_does_not_pass(book: GuideContents) -
 
     assert not nothing.guide.passed
     assert render(nothing.guide, None).endswith("Nothing was judged.")
-    assert "Nothing was judged" in document.render(nothing, None)
+    assert "Nothing was judged" in guide_page.render(nothing, None)
 
 
 # --- since a baseline
@@ -374,7 +381,7 @@ def test_a_guide_in_which_nothing_is_judged_does_not_pass(book: GuideContents) -
 
 def figures(book: GuideContents) -> dict[str, Any]:
     """Return the guide as its JSON is read back."""
-    found: dict[str, Any] = json.loads(json.dumps(document.as_json(book.guide)))
+    found: dict[str, Any] = json.loads(json.dumps(guide_page.as_json(book.guide)))
     return found
 
 
@@ -404,7 +411,7 @@ def test_what_moved_is_named_and_verdicts_come_first(book: GuideContents) -> Non
     ]
     assert found[1].percent == pytest.approx(1.0 if row["other"] > 0.0 else -1.0)
     assert "MOVED SINCE THE BASELINE: 2" in render(book.guide, found)
-    assert name in document.render(book, found)
+    assert name in guide_page.render(book, found)
 
 
 @pytest.mark.parametrize(
@@ -555,7 +562,7 @@ def test_the_head_sea_is_on_the_page_and_in_what_moved(book: GuideContents, page
     assert found.waves.title in page
     assert f"<td>{found.rows[0].ours[1]:.3f}</td>" in page
     name = f"{found.waves.title}, 13.8724 m: pitch [deg]"
-    assert leaves(document.as_json(book.guide))[name] == found.rows[0].ours[1]
+    assert leaves(guide_page.as_json(book.guide))[name] == found.rows[0].ours[1]
 
 
 def test_a_boat_that_cannot_fly_level_at_the_waves_speed_says_so(tmp_path: Path) -> None:
@@ -674,7 +681,7 @@ def test_names_of_anybody_s_making_come_out_as_text(book: GuideContents) -> None
     evil = '<script>alert("x")</script>'
     finding = replace(book.guide.findings[0], title=evil, claim=evil, words=evil)
     named = replace(book.guide, vessel=evil, findings=(finding, *book.guide.findings[1:]))
-    text = document.render(replace(book, guide=named), None)
+    text = guide_page.render(replace(book, guide=named), None)
     page, _, data = text.partition('<script type="application/json"')
     assert "<script" not in page
     assert page.count("&lt;script&gt;alert(&#34;x&#34;)&lt;/script&gt;") == 5

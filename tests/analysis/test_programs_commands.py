@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from trainer.analysis.neutral import neutral
-from trainer.analysis.neutral_page import panels
+from trainer.analysis.neutral import neutral, panels
 from trainer.analysis.report import plots
 from trainer.cli.programs import PROGRAMS
 from trainer.config.files import ConfigError

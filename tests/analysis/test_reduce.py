@@ -18,13 +18,13 @@ from trainer.analysis.manoeuvres.flight import Conn, fly
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import Watch
-from trainer.analysis.reduce import checkpoint, reduction, write_back
-from trainer.analysis.reduce.gauss_newton import Point, Slopes, descend, rises, without
+from trainer.analysis.reduce import page, reduction
 from trainer.analysis.reduce.objective import (
     ADDED_MASSES,
     CONTROLS,
     FURTHEST,
     Candidate,
+    Crew,
     Yardstick,
     multiple,
 )
@@ -36,9 +36,19 @@ from trainer.analysis.reduce.programme import (
     speeds,
     turns,
 )
-from trainer.analysis.reduce.search import LEASH, Aim, Need, Search, Standing
+from trainer.analysis.reduce.search import (
+    LEASH,
+    Aim,
+    Need,
+    Point,
+    Search,
+    Slopes,
+    Standing,
+    descend,
+    rises,
+    without,
+)
 from trainer.analysis.reduce.verdict import PARTS, Checked, passes, table, verdict
-from trainer.analysis.reduce.workers import Crew
 from trainer.boat.assemble import Method, compact_coefficients
 from trainer.cli.vessel import reduce
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
@@ -430,15 +440,15 @@ def test_a_search_broken_off_ends_in_the_same_bits(slim: VesselFile, tmp_path: P
     through = list(searched(slim))
 
     for one in through[:-1]:
-        checkpoint.save(path, slim, {"modified": one})
-        assert checkpoint.load(path, slim)["modified"] == one
+        reduction.save_standings(path, slim, {"modified": one})
+        assert reduction.load_standings(path, slim)["modified"] == one
     middle = len(through) // 2
     assert list(searched(slim, through[middle])) == through[middle + 1 :]
 
     other = replace(slim, text=slim.text + "\n# changed")
-    assert checkpoint.load(path, other) == {}
+    assert reduction.load_standings(path, other) == {}
     path.write_text("{broken", encoding="utf-8")
-    assert checkpoint.load(path, slim) == {}
+    assert reduction.load_standings(path, slim) == {}
 
 
 @pytest.fixture
@@ -510,9 +520,9 @@ def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> N
     names = Candidate(file, "modified").terms
     modified = {name: 0.0 if name in {"X_qq", "Z_w"} else 1.25 for name in names}
     needs = (Need("X_vr", 7.5, "turn, rudder 10 deg, 5 kn", "steady speed"),)
-    tables = write_back.tables({"modified": modified, "basic": modified}, needs, {"kept": 14})
+    tables = page.factor_tables({"modified": modified, "basic": modified}, needs, {"kept": 14})
 
-    text = write_back.rewritten(file.text, tables)
+    text = page.rewritten(file.text, tables)
     back = parse_vessel(text, Path("boat.toml"))
 
     assert back.compact.extra_terms == ("X_vr", "K_pap", "N_rar")
@@ -523,7 +533,7 @@ def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> N
     assert "steady speed in turn, rudder 10 deg, 5 kn: 7.5 of the allowed" in text
     assert "# the hull's data begin here\n[coefficients]" in text
     assert "N_r = 3.0" not in text
-    assert write_back.rewritten(text, tables) == text
+    assert page.rewritten(text, tables) == text
 
 
 # --- the verdict and the command
@@ -650,7 +660,7 @@ def test_the_command_finds_writes_and_then_checks_a_set(slim: VesselFile, tmp_pa
     assert "Within tolerance." in out
     assert "Why terms stay" in out
     assert max(map(len, out.splitlines())) <= 79
-    assert not checkpoint.place(result).exists()
+    assert not reduction.checkpoint_of(result).exists()
 
     code, out, _ = run(str(result), "--check", "--json")
     told = json.loads(out)

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 import trainer
 from trainer.analysis.sweep.job import job_of
-from trainer.analysis.sweep.workers import cluster
+from trainer.analysis.sweep.sweep import cluster
 from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError

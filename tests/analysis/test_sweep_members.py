@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.analysis.sweep.batch import member
+from trainer.analysis.sweep.job import member
 from trainer.analysis.sweep.manoeuvres import LANES, Manoeuvring
 from trainer.analysis.sweep.study import parse_study
 from trainer.cli.main import cli

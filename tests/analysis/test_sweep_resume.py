@@ -14,11 +14,9 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from trainer.analysis.sweep.batch import Batch
-from trainer.analysis.sweep.job import Job, differences, fly_chunk, job_of
-from trainer.analysis.sweep.parts import folder_of
-from trainer.analysis.sweep.sweep import carry_out
-from trainer.analysis.sweep.workers import Chunks, alone, processes
+from trainer.analysis.sweep.job import Batch, Job, differences, fly_chunk, job_of
+from trainer.analysis.sweep.results import folder_of
+from trainer.analysis.sweep.sweep import Chunks, alone, carry_out, processes
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
 from trainer.core import cache
@@ -278,7 +276,7 @@ def test_a_chunk_whose_writing_fails_does_not_count(
     with pytest.raises(ConfigError):
         fly(path, out, breaking(0))  # the manifest is there
     with monkeypatch.context() as disk:
-        disk.setattr("trainer.analysis.sweep.parquet.os.fsync", full)
+        disk.setattr("trainer.analysis.sweep.results.os.fsync", full)
         with pytest.raises(ConfigError, match="cannot be written: No space left on device"):
             carry_out(job, alone, out, nothing)
     assert not list(job_folder.glob("*.parquet"))

@@ -12,9 +12,9 @@ from helpers.places import ROOT
 
 from trainer.analysis.report.plots import Panel
 from trainer.analysis.sweep.job import job_of, open_job
-from trainer.analysis.sweep.parquet import check_pyarrow
 from trainer.analysis.sweep.records import key_tables
 from trainer.analysis.sweep.report import effects_of, panels, report_of, spread_of
+from trainer.analysis.sweep.results import check_pyarrow
 from trainer.analysis.sweep.study import load_study, parse_study
 from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
@@ -151,7 +151,7 @@ def test_without_pyarrow_the_message_says_what_to_install(monkeypatch: pytest.Mo
 
 
 def test_without_dask_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    from trainer.analysis.sweep.workers import cluster  # noqa: PLC0415
+    from trainer.analysis.sweep.sweep import cluster  # noqa: PLC0415
 
     monkeypatch.setattr("trainer.config.extras.find_spec", lambda _name: None)
     with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[cluster\]'"):

@@ -32,7 +32,7 @@ if __name__ == "__main__":
 SEARCH = """
 import multiprocessing, sys
 from pathlib import Path
-from trainer.analysis.reduce.workers import Crew
+from trainer.analysis.reduce.objective import Crew
 
 if __name__ == "__main__":
     with Crew(Path("nowhere.toml"), "modified", (), 2) as crew:

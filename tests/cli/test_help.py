@@ -14,7 +14,7 @@ from helpers.decca_run import write_run
 from helpers.places import ROOT
 from helpers.shell import FILES, Done, shell_environment, typed, understand
 
-from trainer.analysis.report.pdf import find_browser
+from trainer.analysis.report.html import find_browser
 from trainer.cli.main import cli
 
 

@@ -1,12 +1,10 @@
 """What is shipped is listed, a line each, without loading the core."""
 
 import json
-import subprocess
-import sys
 
 import pytest
 from click.testing import CliRunner
-from helpers.places import environment
+from helpers.shell import HEAVY, imported
 
 from trainer.cli import listings
 from trainer.cli.main import cli
@@ -15,7 +13,6 @@ from trainer.config.sea import load_sea
 from trainer.config.vessel import load_vessel
 
 LISTS = ("vessels", "seas", "exercises")
-LOADS = ("numba", "numpy", "textual", "trainer.core", "trainer.boat")
 
 
 def said(*words: str) -> str:
@@ -59,14 +56,7 @@ def test_a_listed_sea_is_the_one_of_its_file() -> None:
 
 @pytest.mark.parametrize("what", LISTS)
 def test_a_list_loads_no_core(what: str) -> None:
-    loaded = subprocess.run(
-        [sys.executable, "-X", "importtime", "-m", "trainer", what],
-        env=environment(),
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stderr
-    names = {line.rpartition("|")[2].strip() for line in loaded.splitlines()}
+    names = imported((what,))
 
     assert "trainer.config.files" in names
-    assert not names.intersection(LOADS)
+    assert not names.intersection(HEAVY)

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from helpers.places import ROOT
 from jsonschema import Draft202012Validator
 
-from trainer.cli.schema import SCHEMAS, schema
+from trainer.cli.listings import SCHEMAS, schema
 from trainer.config.baseline import BASELINE
 from trainer.verify.fuzz.files import SHIP
 

@@ -17,7 +17,7 @@ from textual.pilot import Pilot
 from trainer.cli import run as command
 from trainer.config.course import Lesson, course
 from trainer.config.files import shipped_names
-from trainer.console.choice import NOTHING, Done
+from trainer.console.dialogs import NOTHING, Done
 from trainer.console.exercise_choice import (
     FREELY,
     ExerciseScreen,

@@ -12,13 +12,13 @@ from trainer.console.drawing.chart import (
     Plot,
     Sheet,
     beside_headings,
+    plan,
     strip,
     time_axis,
     unwrap,
 )
 from trainer.console.drawing.gauges import WIDTH, sea
 from trainer.console.drawing.panels import flowed, key_at, key_rows
-from trainer.console.drawing.plan import plan
 from trainer.console.guide import Reading, briefing_rows, broken, by_hand, guide, paragraphs
 from trainer.console.journal import Journal
 from trainer.console.keys import KEYS, footer

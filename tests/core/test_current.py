@@ -9,8 +9,8 @@ import pytest
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
-from trainer.config.method import EQUATIONS
 from trainer.config.sea import SeaFile, load_sea
+from trainer.config.words import EQUATIONS
 from trainer.core.current import carry_along
 from trainer.core.state import HISTORY, new_state
 from trainer.io.orders.grammar import Order, parse

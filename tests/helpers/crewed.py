@@ -27,7 +27,7 @@ from trainer.io.tables import NoFile
 from trainer.session.exercise import Debriefing, Ending, Judgement
 from trainer.session.history import History
 from trainer.session.session import Session
-from trainer.session.stations.access import Access
+from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import StateReader
@@ -101,7 +101,7 @@ class Crewed:
         ]
         self.conduct.ending = Ending.of(self.boat, losses, seconds)
         self.conduct.kept, self.conduct.scored = path, True
-        self.conduct.clock = lambda: self.now
+        self.conduct.clock = self.conduct.command.clock = lambda: self.now
         self.judged = threading.Event()
         self.conduct.debriefing = Debriefing(self._judge, self._write)
         self.instructor = self.comes("instructor")

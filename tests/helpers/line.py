@@ -25,3 +25,4 @@ class Line:
 
     def close(self, patience: float) -> None:
         assert patience >= 0.0
+        self.ended = True

@@ -55,6 +55,22 @@ def ran(line: str, folder: Path) -> Done:
     return typed(line, folder, "status\nquit\n")
 
 
+HEAVY = ("numba", "numpy", "textual", "trainer.core", "trainer.boat")
+
+
+def imported(words: tuple[str, ...], folder: Path | None = None, **more: str) -> set[str]:
+    """Return the names of all modules that a command imports."""
+    loaded = subprocess.run(
+        [sys.executable, "-X", "importtime", "-m", "trainer", *words],
+        cwd=folder,
+        env=environment(**more),
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stderr
+    return {line.rpartition("|")[2].strip() for line in loaded.splitlines()}
+
+
 def understand(line: str) -> list[str]:
     """Read the trainer's commands of a shell line, as it would; return their names.
 

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from trainer.verify.cases.decca import by_lanes
-from trainer.verify.cases.nonlinear import bent_hull
 from trainer.verify.cases.ships import (
+    bent_hull,
     heading_only,
     honest_intervals,
     large_helm,

@@ -11,10 +11,9 @@ from click.testing import CliRunner
 from trainer.boat.export.targets import NoCompilerError
 from trainer.cli import main
 from trainer.identify.likelihood import Likelihood
-from trainer.verify.bench import identify, paired_timing, sections
-from trainer.verify.bench.identify import Row, Speed, by_statsmodels, likelihoods_of_a_fit
-from trainer.verify.bench.paired_timing import Paces
-from trainer.verify.c_reference.filter import likelihood_in_c
+from trainer.verify.bench import identify, sections
+from trainer.verify.bench.identify import Paces, Row, Speed, by_statsmodels, likelihoods_of_a_fit
+from trainer.verify.c_reference.compiler import likelihood_in_c
 from trainer.verify.cases.reference_ships import ISLAND, TANKER, TANKER_RUDDER
 
 compiler = pytest.mark.skipif(
@@ -90,8 +89,8 @@ def test_a_ratio_is_the_median_of_rounds() -> None:
 
 def test_works_take_turns_in_batches_long_enough(monkeypatch: pytest.MonkeyPatch) -> Any:
     clock, done = [0.0], []
-    monkeypatch.setattr(paired_timing, "ROUNDS", 2)
-    monkeypatch.setattr(paired_timing.time, "thread_time", lambda: clock[0])  # type: ignore[attr-defined]
+    monkeypatch.setattr(identify, "ROUNDS", 2)
+    monkeypatch.setattr(identify.time, "thread_time", lambda: clock[0])  # type: ignore[attr-defined]
 
     def work(name: Any, seconds: Any) -> Any:
         def run() -> None:
@@ -100,7 +99,7 @@ def test_works_take_turns_in_batches_long_enough(monkeypatch: pytest.MonkeyPatch
 
         return run
 
-    paces = paired_timing.time_in_turn([work("slow", 2e-3), work("quick", 1e-3)])
+    paces = identify.time_in_turn([work("slow", 2e-3), work("quick", 1e-3)])
 
     assert done[-12:] == 2 * ["slow", "slow", *4 * ["quick"]]
     assert paces.ratio(0, 1) == pytest.approx(2.0)
@@ -109,8 +108,8 @@ def test_works_take_turns_in_batches_long_enough(monkeypatch: pytest.MonkeyPatch
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let everything be measured once, and no process started."""
-    monkeypatch.setattr(paired_timing, "ROUNDS", 1)
-    monkeypatch.setattr(paired_timing, "BATCH_S", 0.0)
+    monkeypatch.setattr(identify, "ROUNDS", 1)
+    monkeypatch.setattr(identify, "BATCH_S", 0.0)
     monkeypatch.setattr(sections, "SAMPLES", 100)
     monkeypatch.setattr(identify, "FITS", 1)
     monkeypatch.setattr("trainer.verify.bench.identify.MOST", 1)

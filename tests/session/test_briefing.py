@@ -21,9 +21,8 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import briefing_of, situation
 from trainer.session.session import Session
-from trainer.session.stations.access import Access
 from trainer.session.stations.briefing import EXERCISE, RANGES, exercise_table, range_table, ranges
-from trainer.session.stations.roles import CREW, INSTRUCTOR, ROLES, STRANGER
+from trainer.session.stations.roles import CREW, INSTRUCTOR, ROLES, STRANGER, Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import StateReader

@@ -25,7 +25,7 @@ from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.session import Session
-from trainer.session.stations.access import Access
+from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import StateReader

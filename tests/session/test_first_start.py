@@ -285,7 +285,7 @@ def test_a_cache_speaks_for_the_files_it_was_made_from_alone(
 
 @pytest.mark.slow
 def test_the_process_beside_compiles_all_that_a_run_needs_and_ends(tmp_path: Path) -> None:
-    trained(code="from trainer.session.precompilation import main; main()", cache=tmp_path)
+    trained(code="from trainer.session.warm_up import precompile; precompile()", cache=tmp_path)
     before = {path.name for path in tmp_path.rglob("*.nb*")}
     words = ("run", "steering-jam", "--headless", "--duration", "60", "--speed", "max")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from helpers.crewed import Crewed
 
-from trainer.analysis.debrief.groundings import groundings
+from trainer.analysis.debrief.episodes import groundings
 from trainer.analysis.debrief.judgement import judge, plain_marks
 from trainer.analysis.rehearsal import Rehearsal, fly
 from trainer.boat.ballast_orders import put_out_of_trim
@@ -287,14 +287,19 @@ def test_a_grounding_is_counted_and_a_hard_one_leaves_no_marks(
     assert verdict.outcome == ("lost" if hard else "not reached")
 
 
-def test_a_recorded_run_over_a_grid_is_flown_again_to_the_bit_without_it(tmp_path: Path) -> None:
-    path = drill(tmp_path, "sand")
+def recorded(path: Path) -> tuple[Plan, Boat, dict[str, str]]:
+    """Return a run of an exercise at its start, and the header of its recording."""
     options = RunOptions(exercise=str(path), given=frozenset({"exercise"}))
     with remembering() as texts:
         plan = plan_run(options)
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
-    header = header_of(options, texts, boat)
+    return plan, boat, header_of(options, texts, boat)
+
+
+def test_a_recorded_run_over_a_grid_is_flown_again_to_the_bit_without_it(tmp_path: Path) -> None:
+    path = drill(tmp_path, "sand")
+    plan, boat, header = recorded(path)
     ends = []
     for each in (plan, plan_of(header)):
         again = Boat(each.file, each.method)
@@ -309,13 +314,7 @@ def test_a_recorded_run_over_a_grid_is_flown_again_to_the_bit_without_it(tmp_pat
 
 
 def test_another_grid_than_recorded_is_told(tmp_path: Path) -> None:
-    path = drill(tmp_path, "sand")
-    options = RunOptions(exercise=str(path), given=frozenset({"exercise"}))
-    with remembering() as texts:
-        plan = plan_run(options)
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    header = header_of(options, texts, boat)
+    header = recorded(drill(tmp_path, "sand"))[-1]
     assert differences(header) == []
     grid = tmp_path / "shoal.asc"
     grid.write_text(grid.read_text().replace("NODATA_value -1", "NODATA_value 10"))

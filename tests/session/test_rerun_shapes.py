@@ -17,16 +17,12 @@ from trainer.core.kernel import Numbers
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
 from trainer.session.rerun import feed as feeds
-from trainer.session.rerun.batch import Batch, Block, Changes, Times, states
-from trainer.session.rerun.charts import charts_of, ledger_columns
-from trainer.session.rerun.collector import Gathering, Heard, Taken
-from trainer.session.rerun.feed import CHUNK, ROOM, Feed
-from trainer.session.rerun.log import Log
+from trainer.session.rerun.batch import Batch, Block, Changes, Subject, Times, states
+from trainer.session.rerun.charts import casualty_lanes, charts_of, lanes_of, ledger_columns
+from trainer.session.rerun.feed import CHUNK, ROOM, Feed, Gathering, Heard, Log, Taken
 from trainer.session.rerun.request import PORT, open_log, parse_place
+from trainer.session.rerun.scene import Track
 from trainer.session.rerun.shape import Fin, fins_of, hull_mesh, sail_mesh, size_of
-from trainer.session.rerun.states import casualty_lanes, lanes_of
-from trainer.session.rerun.subject import Subject
-from trainer.session.rerun.track import Track
 from trainer.session.stations.station import News
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import Pace, StateReader

@@ -21,7 +21,7 @@ from trainer.io.recording.recording import Recording
 from trainer.io.tables import COLUMNS
 from trainer.session.history import History
 from trainer.session.session import Session
-from trainer.session.stations.access import Access
+from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Pace

@@ -7,6 +7,7 @@ import weakref
 from collections.abc import Callable
 
 import pytest
+from helpers.line import Line
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
@@ -14,7 +15,7 @@ from trainer.io.lines import Overlong
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.sentences import Heard, hear, order_sentence, read
 from trainer.io.server import Server
-from trainer.session.stations.access import Access
+from trainer.session.stations.roles import Access
 from trainer.session.stations.station import ORDERS_A_SECOND, ORDERS_AT_ONCE, News, Station
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import Pace, StateReader
@@ -25,32 +26,7 @@ TOKEN = "Kx7-quietly-9"  # noqa: S105 not a secret
 MANY = 10_000
 
 
-class FakeLine:
-    """A line typed by the test."""
-
-    name = "tcp 127.0.0.1:4711"
-    trouble = ""
-    dropped = 0
-
-    def __init__(self) -> None:
-        self.waiting: list[str | Overlong] = []
-        self.sent: list[str] = []
-        self.closed = False
-
-    @property
-    def ended(self) -> bool:
-        return self.closed
-
-    def take(self, most: int) -> list[str | Overlong]:
-        taken, self.waiting = self.waiting[:most], self.waiting[most:]
-        return taken
-
-    def send(self, line: str) -> None:
-        self.sent.append(line)
-
-    def close(self, patience: float) -> None:
-        assert patience >= 0.0
-        self.closed = True
+NAME = "tcp 127.0.0.1:4711"
 
 
 class Post:
@@ -58,7 +34,7 @@ class Post:
 
     def __init__(self, boat: Boat, access: Access) -> None:
         self.now = 0.0
-        self.line = FakeLine()
+        self.line = Line(NAME)
         self.log: list[tuple[str, str]] = []
         self.boat = boat
         self.sending = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)), lambda: self.now)
@@ -107,7 +83,7 @@ def post(boat: Boat) -> Callable[..., Post]:
 
 def test_a_station_and_its_line_are_gone_with_the_last_who_knows_them(boat: Boat) -> None:
     sending = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)))
-    line = FakeLine()
+    line = Line(NAME)
     line.waiting = ["subscribe gauges", "nonsense", "role helm", "rudder left 5"]
     station = Station(line, Access(), sending, lambda *_: None)
     assert len(list(station.take(MANY))) == 1
@@ -150,7 +126,7 @@ def test_an_order_outside_the_role_is_refused_logged_and_goes_no_further(
 
     why = "the rudder is the helm's or the pilot's; this line is the ballast station's"
     assert answer == f"? {why}"
-    assert ballast.log == [("refused", f"ballast at {FakeLine.name}: rudder left 5: {why}")]
+    assert ballast.log == [("refused", f"ballast at {NAME}: rudder left 5: {why}")]
     assert (ballast.station.counts.refused, ballast.station.counts.orders) == (1, 0)
 
 
@@ -300,7 +276,7 @@ def test_a_line_observes_until_it_says_what_it_is(post: Callable[..., Post]) -> 
     assert not line.type("role helm")
     assert line.said()[-1] == "this line is the helm's"
     assert len(line.type("rudder left 5")) == 1
-    assert ("station", f"{FakeLine.name} is the helm's") in line.log
+    assert ("station", f"{NAME} is the helm's") in line.log
 
 
 def test_a_role_is_told_what_it_may_order_and_see_in_79_columns(post: Callable[..., Post]) -> None:
@@ -573,7 +549,7 @@ def test_no_more_is_sent_after_a_station_is_closed(post: Callable[..., Post]) ->
     helm.offer(1)
     helm.station.tell(News(1, 0.5, "time", "frozen"))
 
-    assert helm.line.closed
+    assert helm.line.ended
     assert not helm.said()
 
 

@@ -12,7 +12,7 @@ import pytest
 from helpers.crewed import Crewed, crewed
 from helpers.places import environment
 
-from trainer.analysis.debrief.encounters import meet
+from trainer.analysis.debrief.episodes import meet
 from trainer.analysis.rehearsal import fly
 from trainer.boat.world.contacts import contacts_in
 from trainer.config.world import WorldTables, read_world

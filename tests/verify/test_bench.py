@@ -17,9 +17,8 @@ from trainer.config.vessel import load_vessel
 from trainer.io.recording.recording import Recording
 from trainer.session.time.ledger import Spread
 from trainer.verify.bench import bench as bench_module
-from trainer.verify.bench.bench import Figures, bench, cpu_model, pace, samples_up
-from trainer.verify.bench.bench_page import render
-from trainer.verify.bench.latency import effect
+from trainer.verify.bench.bench import Figures, bench, cpu_model, pace, render, samples_up
+from trainer.verify.bench.session_tick import effect
 from trainer.verify.bench.tick import (
     BATCH_NS,
     BATCHES,

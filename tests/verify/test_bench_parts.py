@@ -13,7 +13,7 @@ from trainer.analysis.fleet.block import follows, ordinary
 from trainer.boat.export.targets import NoCompilerError
 from trainer.cli import main
 from trainer.config.vessel import load_vessel
-from trainer.verify.bench import bench, bench_page, footprint, peers, sections
+from trainer.verify.bench import bench, footprint, peers, sections
 from trainer.verify.bench import fleet as fleet_module
 from trainer.verify.bench.fleet import SideBySide
 from trainer.verify.bench.tick import Batches
@@ -47,7 +47,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
         part = sections.Section(lambda _, name=name: Figure(name), lambda f: ["", f"PART {f.name}"])  # type: ignore[misc]
         monkeypatch.setitem(sections.SECTIONS, name, part)
     monkeypatch.setattr(bench, "bench", lambda *_: Figure("whole"))
-    monkeypatch.setattr(bench_page, "render", lambda _: "STANDARD")
+    monkeypatch.setattr(bench, "render", lambda _: "STANDARD")
 
 
 def said(*words: str) -> str:

@@ -13,8 +13,7 @@ from trainer.config.files import ConfigError
 from trainer.config.sea import parse_sea
 from trainer.config.vessel import parse_vessel
 from trainer.verify.fuzz.catalogue import TARGETS
-from trainer.verify.fuzz.fuzz import Found, Tally, run_round
-from trainer.verify.fuzz.target import Target, only, pieces
+from trainer.verify.fuzz.fuzz import Found, Tally, Target, only, pieces, run_round
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 each_target = pytest.mark.parametrize("target", [pytest.param(t, id=n) for n, t in TARGETS.items()])

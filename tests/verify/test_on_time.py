@@ -16,9 +16,9 @@ from trainer.config.vessel import load_vessel
 from trainer.session.time.ledger import SECOND, Spread
 from trainer.session.time.pacer import SPIN
 from trainer.verify.bench import end_to_end, on_time, start_up
-from trainer.verify.bench.contention import Crowd, count_missed, entry, sail_in_crowd
 from trainer.verify.bench.end_to_end import Line
 from trainer.verify.bench.metronome import beat
+from trainer.verify.bench.on_time import Crowd, count_missed, entry, sail_in_crowd
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
 

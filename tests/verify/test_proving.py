@@ -21,15 +21,12 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Recording
 from trainer.session.stations.roles import ROLES, refusal
 from trainer.verify.faults import faults, recordings
-from trainer.verify.faults.fork_server import ForkServer
-from trainer.verify.faults.rig import Bench, Tried
+from trainer.verify.faults.rig import Bench, ForkServer, Tried
 from trainer.verify.fuzz.catalogue import TARGETS, choose_targets, corpus
-from trainer.verify.fuzz.fuzz import dictionary
-from trainer.verify.fuzz.target import Target
+from trainer.verify.fuzz.fuzz import Target, dictionary
 from trainer.verify.soak.audit import Answered, check_journal, complete
-from trainer.verify.soak.clock_check import WatchedClock
 from trainer.verify.soak.operators import Orders, Watchbill, instruct
-from trainer.verify.soak.session_process import Caller, GoneError
+from trainer.verify.soak.session_process import Caller, GoneError, WatchedClock
 from trainer.verify.soak.soak import Plan, Sample, flat, page, soak
 
 if TYPE_CHECKING:
@@ -236,7 +233,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
         (faults.kill_sessions, 3),  # type: ignore[attr-defined]
         (faults.damage_last_page, 10),  # type: ignore[attr-defined]
         (faults.stop_session, 2),  # type: ignore[attr-defined]
-        (faults.unplug, 2),  # type: ignore[attr-defined]
+        (faults.unplug, 2),
         (faults.full, 2),  # type: ignore[attr-defined]
         (faults.full_disk, 1),  # type: ignore[attr-defined]
         (faults.lock_recording, 1),  # type: ignore[attr-defined]

@@ -8,15 +8,17 @@ from trainer.boat.boat import Boat
 from trainer.boat.export.targets import NoCompilerError
 from trainer.core.scheme import ADAMS, COMPACT
 from trainer.core.state import FIELDS
-from trainer.verify.bench.same_bits import (
+from trainer.verify.bench.standard_hour import (
+    digest,
+    fly_standard_hour,
     for_level,
     in_a_fleet,
     in_another_process,
     levels_here,
     lines,
     same_bits,
+    standard_boat,
 )
-from trainer.verify.bench.standard_hour import digest, fly_standard_hour, standard_boat
 from trainer.verify.bench.tick import in_a_loop
 from trainer.verify.c_reference.compiler import RECORDS, SAME_BITS, build, header
 
@@ -91,12 +93,12 @@ def test_machine_code_for_any_level_of_processor_ends_the_hour_in_the_same_bits(
 
 def test_one_bit_of_difference_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     alike = {"one": lambda: "a", "two": lambda: "a"}
-    monkeypatch.setattr("trainer.verify.bench.same_bits.ways", lambda _: alike)
+    monkeypatch.setattr("trainer.verify.bench.standard_hour.ways", lambda _: alike)
     assert same_bits().same
     assert lines(same_bits())[1].endswith("the same bits in all 2 ways")
 
     monkeypatch.setattr(
-        "trainer.verify.bench.same_bits.ways", lambda _: alike | {"three": lambda: "b"}
+        "trainer.verify.bench.standard_hour.ways", lambda _: alike | {"three": lambda: "b"}
     )
     assert not same_bits().same
 
@@ -107,7 +109,7 @@ def test_without_a_compiler_the_other_ways_are_compared_and_what_is_missing_is_s
     monkeypatch.setenv("CC", "no-such-compiler")
     in_c = {f"C, {way.name}": lambda way=way: str(build(way)) for way in SAME_BITS}
     monkeypatch.setattr(
-        "trainer.verify.bench.same_bits.ways", lambda _: {"compiled": lambda: "a", **in_c}
+        "trainer.verify.bench.standard_hour.ways", lambda _: {"compiled": lambda: "a", **in_c}
     )
 
     found = same_bits()

@@ -16,8 +16,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from trainer.config.files import ConfigError
 from trainer.verify.soak.session_process import Caller
-from trainer.web.catalogue import catalogues, read_catalogue
-from trainer.web.pages import ASSETS, HERE
+from trainer.web.pages import ASSETS, HERE, catalogues, read_catalogue
 
 Look = Callable[..., Page]
 UPRIGHT = "1080x1920"

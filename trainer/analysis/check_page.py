@@ -3,8 +3,7 @@
 import textwrap
 from collections.abc import Mapping
 
-from trainer.analysis.check import REGIONS, Flight, ModeRow, Report
-from trainer.analysis.steady_turn import Comparison
+from trainer.analysis.check import REGIONS, Comparison, Flight, ModeRow, Report
 from trainer.boat.linear import NEUTRAL
 from trainer.boat.stability import BARELY
 

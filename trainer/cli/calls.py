@@ -135,8 +135,8 @@ def sweep(study: File, **options: Unpack[SweepOptions]) -> "Answer[SweepReport, 
     and without the extra ``parquet``.
     """
     from trainer.analysis.sweep.job import job_of, open_job  # noqa: PLC0415
-    from trainer.analysis.sweep.parquet import check_pyarrow  # noqa: PLC0415
     from trainer.analysis.sweep.report import render, report_of  # noqa: PLC0415
+    from trainer.analysis.sweep.results import check_pyarrow  # noqa: PLC0415
     from trainer.cli.subjects import subject_of  # noqa: PLC0415
 
     given = {"jobs": 1, **options}

@@ -7,7 +7,7 @@ from typing import Any, Final
 import click
 
 from trainer.cli.answers import json_of, write_text
-from trainer.cli.shared_options import HTML, TOML
+from trainer.cli.options import HTML, TOML
 from trainer.cli.types import Name
 
 NEW: Final = "new"  # the word before the name of a hull to be written

@@ -7,14 +7,14 @@ from typing import Any
 
 import click
 
-from trainer.cli.options import run_options
-from trainer.cli.shared_options import (
+from trainer.cli.options import (
     FILE,
     RECORDING,
     SEA,
     VESSEL,
     VESSEL_HELP,
     method_options,
+    run_options,
     together,
 )
 from trainer.session.options import RunOptions

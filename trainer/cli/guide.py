@@ -11,10 +11,9 @@ import click
 
 from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, json_of, outputs, show
-from trainer.cli.options import options_given
-from trainer.cli.shared_options import CSV, HTML, PDF, SEA, VESSEL, together
+from trainer.cli.options import CSV, HTML, PDF, SEA, VESSEL, options_given, together
 from trainer.cli.types import File, Word
-from trainer.config.method import EQUATIONS
+from trainer.config.words import EQUATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -263,20 +262,20 @@ def guide(vessel: str, **options: Any) -> None:
     VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the modified
     set is out of tolerance; trainer reduce finds one that is not.
     """
-    from trainer.analysis.guide import baseline, document, summary  # noqa: PLC0415
+    from trainer.analysis.guide import contents, page, summary  # noqa: PLC0415
     from trainer.analysis.guide.programme import legs, legs_of_1969  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
     earlier = None
     if options["baseline"]:
-        earlier = baseline.load_earlier(options["baseline"], file.name)
+        earlier = contents.load_earlier(options["baseline"], file.name)
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     choose = legs_of_1969 if options["programme"] == "1969" else legs
     book = write_guide(file, choose(file, options["depth"]), made, options["cores"])
-    now = json.loads(json_of(document.as_json(book.guide)))
-    moves = None if earlier is None else baseline.compare_guides(earlier, now)
-    write_document(document.render(book, moves), options["html"], options["pdf"])
+    now = json.loads(json_of(page.as_json(book.guide)))
+    moves = None if earlier is None else contents.compare_guides(earlier, now)
+    write_document(page.render(book, moves), options["html"], options["pdf"])
     if options["as_json"]:
         told = {} if moves is None else {"moved": [asdict(one) for one in moves]}
         click.echo(json_of({**now, **told}))
@@ -301,7 +300,7 @@ def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
     """Write the page and print it, where asked for; ConfigError if that cannot be."""
     import tempfile  # noqa: PLC0415
 
-    from trainer.analysis.report.pdf import print_pdf  # noqa: PLC0415
+    from trainer.analysis.report.html import print_pdf  # noqa: PLC0415
     from trainer.config.files import ConfigError  # noqa: PLC0415
     from trainer.io.atomic_write import write_whole  # noqa: PLC0415
 

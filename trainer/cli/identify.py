@@ -8,8 +8,17 @@ import click
 
 from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, outputs, show, show_step, tell, write_text
-from trainer.cli.options import options_given
-from trainer.cli.shared_options import CSV, FILE, HTML, SEA, TOML, VESSEL, VESSEL_HELP, together
+from trainer.cli.options import (
+    CSV,
+    FILE,
+    HTML,
+    SEA,
+    TOML,
+    VESSEL,
+    VESSEL_HELP,
+    options_given,
+    together,
+)
 from trainer.cli.types import Deeper, File, Name
 
 if TYPE_CHECKING:

@@ -1,13 +1,15 @@
-"""Commands that list what is shipped and what is sent to instruments."""
+"""Commands that list what is shipped and sent, and the schemas of files for editors."""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
 import click
 
-from trainer.cli.shared_options import EXERCISE, TOML
-from trainer.cli.types import Commands
+from trainer.cli.answers import write_text
+from trainer.cli.options import EXERCISE, FILE, TOML
+from trainer.cli.types import Choice, Commands
 
 WIDTH: Final = 79  # [columns] of a line at most
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
@@ -156,11 +158,11 @@ def baseline(file: str, seeds: int) -> None:
     FILE is a path, or the name of a shipped exercise. The debrief takes from each task what it
     gives with nobody aboard. What is kept is drill.baseline.toml, beside drill.toml.
     """
-    from trainer.analysis import baseline as baseline_module  # noqa: PLC0415
+    from trainer.analysis import exercise_page  # noqa: PLC0415
 
-    found = baseline_module.study(file, seeds)
-    click.echo("\n".join(baseline_module.table(found)))
-    click.echo(f"kept in {baseline_module.keep(found)}")
+    found = exercise_page.study(file, seeds)
+    click.echo("\n".join(exercise_page.table(found)))
+    click.echo(f"kept in {exercise_page.keep(found)}")
 
 
 @click.command()
@@ -202,3 +204,65 @@ def instruments(*, sample: bool, as_json: bool) -> None:
         click.echo(json.dumps(lines, indent=1) if as_json else "\n".join(lines))
         return
     click.echo(json.dumps(nmea_page.as_json(), indent=1) if as_json else nmea_page.page())
+
+
+# The command that gives editors what a file may say.
+
+
+def _of_config(name: str) -> Callable[[], dict[str, Any]]:
+    """Return what makes the schema of a file that a session reads."""
+
+    def make() -> dict[str, Any]:
+        from trainer.config import file_schemas  # noqa: PLC0415
+
+        made: dict[str, Any] = getattr(file_schemas, f"{name}_schema")()
+        return made
+
+    return make
+
+
+def _study() -> dict[str, Any]:
+    from trainer.analysis.sweep.study import study_schema  # noqa: PLC0415
+
+    return study_schema()
+
+
+def _identification() -> dict[str, Any]:
+    from trainer.identify.study import identification_schema  # noqa: PLC0415
+
+    return identification_schema()
+
+
+def _ship() -> dict[str, Any]:
+    from trainer.identify.ships.ship_file import ship_schema  # noqa: PLC0415
+
+    return ship_schema()
+
+
+SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
+    **{name: _of_config(name) for name in ("vessel", "hull", "exercise", "sea", "casualties")},
+    "study": _study,
+    "identification": _identification,
+    "ship": _ship,
+}
+
+
+@click.command()
+@click.argument("kind", type=Choice(tuple(SCHEMAS)))
+@click.option("-o", "--output", type=FILE, default=None, metavar="FILE", help="Write it there.")
+def schema(kind: str, output: Path | None) -> None:
+    """Print the JSON Schema of a kind of file, by which editors complete and underline.
+
+    \b
+    Example:  trainer schema exercise -o exercise.schema.json
+              trainer schema vessel
+
+    A study is what `trainer sweep` flies, an identification what `trainer identify` fits, a
+    ship what its models linear to mmg take and write.
+    """
+    text = json.dumps(SCHEMAS[kind](), indent=1)
+    if output is None:
+        click.echo(text)
+        return
+    write_text(output, f"{text}\n")
+    click.echo(f"{output} written; first line of your file: #:schema ./{output.name}")

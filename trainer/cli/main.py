@@ -16,11 +16,9 @@ from trainer.cli import (
     programs,
     recordings,
     run,
-    schema,
     sweep,
     verify,
     vessel,
-    web,
 )
 from trainer.cli.types import Commands
 from trainer.config.files import ConfigError
@@ -64,7 +62,7 @@ def cli() -> None:
 
 
 SECTIONS: Final = {
-    "Train": (run.run, run.serve, run.attach, run.station, web.web),
+    "Train": (run.run, run.serve, run.attach, run.station, run.web),
     "Exercises": (
         listings.exercises,
         listings.exercise,
@@ -101,7 +99,7 @@ SECTIONS: Final = {
         verify.bench,
         vessel.evaluate,
         listings.instruments,
-        schema.schema,
+        listings.schema,
         export.export_core,
         export.export_page,
     ),

@@ -1,13 +1,350 @@
-"""The options of a run, made from what click has read."""
+"""Options that several commands share, and the options of a run made of them."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 import click
 from click.core import ParameterSource
 
+from trainer.cli.types import Duration, File, Name, Speed
+from trainer.config.words import EQUATIONS
+from trainer.io.paths import HOST, PAGES, PORT
 from trainer.session.options import RunOptions
+
+VESSEL_HELP: Final = "bb2, sdv-mk9, remus100, or the path of a vessel file"
+
+WIDTHS: Final = ("qualified", "basic")  # see debrief.judgement
+
+Decorator = Callable[[Any], Any]
+FILE: Final = File()
+RECORDING: Final = File(".trainer")
+CSV: Final = File(".csv")
+RRD: Final = File(".rrd")
+TOML: Final = File(".toml")
+HTML: Final = File(".html")
+PDF: Final = File(".pdf")
+VESSEL: Final = Name("vessels")
+SEA: Final = Name("seas")
+EXERCISE: Final = Name("exercises")
+STUDY: Final = Name("studies")
+
+
+def together(*options: Decorator) -> Decorator:
+    """Return a decorator that adds options in the order given."""
+
+    def add(command: Any) -> Any:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return add
+
+
+method_options = together(
+    click.option(
+        "--equations",
+        type=click.Choice(EQUATIONS),
+        default=None,
+        help="Full set (1)-(7), compact modified or basic, or the vertical plane alone. "
+        "[default: modified; full for a boat without a compact set of its own]",
+    ),
+    click.option(
+        "--rates",
+        type=click.Choice(("exact", "lagged")),
+        default=None,
+        help="Accelerations by the 6x6 solve, or each from its own equation with last "
+        "cycle's. [default: lagged; exact with Runge-Kutta]",
+    ),
+    click.option(
+        "--trig",
+        type=click.Choice(("exact", "report")),
+        default="exact",
+        show_default=True,
+        help="Exact, or the 1969 approximations of the compact sets.",
+    ),
+)
+
+exercise_options = together(
+    click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP),
+    method_options,
+    click.option(
+        "--sea",
+        type=SEA,
+        default=None,
+        metavar="NAME|PATH",
+        help="calm, sea-state-1 to sea-state-6, or a file.",
+    ),
+    click.option(
+        "--integrator",
+        default="adams2",
+        show_default=True,
+        help="euler, adams2 to adams4, best2, heun, abm2 to abm4, hamming4, o30c31, bdf2, bdf3, "
+        "rk2 to rk4, rkv, or a multistep method as 'a=1;b=1.5,-0.5'.",
+    ),
+    click.option(
+        "--step",
+        type=float,
+        default=None,
+        help="Step in s. [default: the vessel file's, 0.5 for bb2]",
+    ),
+    click.option("--unsafe-step", is_flag=True, help="Run even where the step is not stable."),
+    click.option(
+        "--seed",
+        type=click.IntRange(0, 2**53 - 1),
+        default=1,
+        show_default=True,
+        help="Of everything random.",
+    ),
+    click.option(
+        "--orders",
+        "orders_file",
+        type=File(".txt"),
+        default=None,
+        help="Scheduled orders, a line each: SECONDS ORDER.",
+    ),
+)
+
+time_options = together(
+    click.option(
+        "--duration",
+        type=Duration(),
+        default=None,
+        help="Simulated time: 120, 10m, 1h. [default: until quit]",
+    ),
+    click.option(
+        "--speed",
+        type=Speed(),
+        default="1",
+        show_default=True,
+        help="Of time: 0.1 to 100, or max.",
+    ),
+    click.option(
+        "--overrun",
+        type=click.Choice(("catch-up", "slip", "freeze")),
+        default="catch-up",
+        show_default=True,
+        help="What happens when a tick ends too late.",
+    ),
+    click.option(
+        "--priority",
+        type=click.Choice(("realtime", "normal")),
+        default="realtime",
+        show_default=True,
+        help="Whether time is kept by a real-time priority and locked memory, where permitted.",
+    ),
+    click.option("--frozen", is_flag=True, help="Start with time frozen, until the order run."),
+    click.option(
+        "--csv",
+        "csv_path",
+        type=CSV,
+        default=None,
+        help="Write the state of each tick to this file.",
+    ),
+)
+
+recording_options = together(
+    click.option(
+        "--record",
+        type=RECORDING,
+        default=None,
+        help="Keep the whole run in this file. [default: a new one in the recordings' folder, "
+        "unless headless or at --speed max]",
+    ),
+    click.option("--no-record", is_flag=True, help="Keep nothing."),
+)
+
+trainee_options = together(
+    click.option(
+        "--trainee",
+        multiple=True,
+        metavar="NAME",
+        help="Who is trained, kept in the recording alone; may be given again.",
+    ),
+    click.option(
+        "--width",
+        type=click.Choice(WIDTHS),
+        default="qualified",
+        show_default=True,
+        help="Of the bands that it is judged by; basic is half as wide again.",
+    ),
+)
+
+console_options = together(
+    click.option("--headless", is_flag=True, help="No console; a progress bar and a summary."),
+    click.option(
+        "--serial",
+        "url",
+        default=None,
+        metavar="URL",
+        help="Console on this pyserial port or URL instead of the terminal.",
+    ),
+)
+
+core_options = together(
+    click.option(
+        "--core",
+        type=File(".so"),
+        default=None,
+        metavar="FILE.so",
+        help="Run the boat of this exported core (trainer export-core), headless, with --duration, "
+        "--speed, --csv, --orders and --state alone.",
+    ),
+    click.option(
+        "--state", type=FILE, default=None, help="With --core: write the last state to this file."
+    ),
+)
+
+rerun_options = together(
+    click.option("--rerun", is_flag=True, help="Show the run in Rerun's viewer while it goes on."),
+    click.option(
+        "--rerun-at",
+        default=None,
+        metavar="HOST:PORT",
+        help="Where that viewer listens. [default: 127.0.0.1:9876, opened if it is not there]",
+    ),
+    click.option("--rrd", type=RRD, default=None, help="Write the run to this file for Rerun."),
+)
+
+nmea_options = together(
+    click.option(
+        "--nmea",
+        multiple=True,
+        metavar="URL",
+        help="Send NMEA 0183 to a serial port, udp://HOST:PORT, or whoever comes to "
+        "tcp://HOST:PORT; may be given again. `trainer instruments` lists the sentences.",
+    ),
+    click.option(
+        "--nmea-baud",
+        type=click.IntRange(50, 4_000_000),
+        default=38400,
+        show_default=True,
+        help="Of its serial ports.",
+    ),
+    click.option(
+        "--nmea-rate",
+        type=click.FloatRange(0.1, 50.0),
+        default=2.0,
+        show_default=True,
+        metavar="HZ",
+        help="Sets of sentences a second.",
+    ),
+    click.option(
+        "--nmea-sentences",
+        default=None,
+        metavar="NAMES",
+        help="Only these, such as RMC,HDT,DPT. [default: all]",
+    ),
+    click.option(
+        "--nmea-orders",
+        is_flag=True,
+        help="Take its orders at TCP ports also with --token, which its sentences cannot give.",
+    ),
+    click.option(
+        "--nmea-record",
+        type=FILE,
+        default=None,
+        help="Keep the sentences in this file, at that rate of the boat's own time.",
+    ),
+    click.option(
+        "--origin",
+        default="25,-45",
+        show_default=True,
+        metavar="LAT,LON",
+        help="Where on the Earth the boat begins, in degrees, north and east positive.",
+    ),
+)
+
+
+def port_options(*, listen: str | None, socket: str | None) -> Decorator:
+    """Return the options that say where stations are, with the defaults of two of them."""
+    return together(
+        click.option(
+            "--line",
+            "lines",
+            multiple=True,
+            metavar="ROLE=URL",
+            help="A station on a serial port or pyserial URL; may be given again.",
+        ),
+        click.option(
+            "--baud",
+            type=click.IntRange(50, 4_000_000),
+            default=9600,
+            show_default=True,
+            help="Of the serial ports.",
+        ),
+        click.option(
+            "--listen",
+            default=listen,
+            show_default=listen is not None,
+            metavar="HOST:PORT",
+            help=f"Let stations in by TCP, such as {HOST}:{PORT}, or none.",
+        ),
+        click.option(
+            "--socket",
+            default=socket,
+            show_default=False,
+            metavar="PATH",
+            help="Let stations in at this local socket, or none. [default: this user's]",
+        ),
+        click.option(
+            "--token",
+            multiple=True,
+            default=(),
+            metavar="[ROLE=]WORD",
+            help="Word that stations at sockets have to give, of one role or of all; may be given "
+            "again.",
+        ),
+        nmea_options,
+    )
+
+
+WEB: Final = f"{HOST}:{PAGES}"
+
+certificate_options = together(
+    click.option("--cert", type=FILE, default=None, help="Certificate of the pages, for https."),
+    click.option("--key", type=FILE, default=None, help="Its key."),
+)
+
+web_run_options = together(
+    click.option("--web", "browse", is_flag=True, help="Stations in a browser, which is opened."),
+    click.option(
+        "--web-at",
+        "web",
+        default=None,
+        metavar="HOST:PORT",
+        help=f"Where these pages are. [default: {WEB}, or any free port]",
+    ),
+    certificate_options,
+)
+
+web_serve_options = together(
+    click.option(
+        "--web",
+        default=None,
+        metavar="HOST:PORT",
+        help=f"Serve stations for browsers there, such as {WEB}.",
+    ),
+    certificate_options,
+)
+
+connect_option = click.option(
+    "--connect",
+    "url",
+    default=None,
+    metavar="URL",
+    help="tcp://HOST:PORT, the path of a local socket, or a serial line. "
+    "[default: this machine's session]",
+)
+
+connect_options = together(
+    connect_option,
+    click.option("--token", default=None, help="Word that the session asks for."),
+)
+
+teletype_option = click.option(
+    "--teletype", is_flag=True, help="Plain lines instead of a screen, also on a terminal."
+)
 
 
 def run_options(options: Mapping[str, Any]) -> RunOptions:

@@ -8,9 +8,9 @@ import click
 
 from trainer.cli.answers import PLOT
 from trainer.cli.export import page_text
-from trainer.cli.shared_options import CSV, HTML, PDF, RECORDING, RRD, VESSEL, VESSEL_HELP, WIDTHS
+from trainer.cli.options import CSV, HTML, PDF, RECORDING, RRD, VESSEL, VESSEL_HELP, WIDTHS
 from trainer.cli.types import Duration, File
-from trainer.config.method import EQUATIONS
+from trainer.config.words import EQUATIONS
 
 
 @click.command()
@@ -29,7 +29,7 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
     Exit codes: 0 the same, 1 not the same, 2 it would be computed otherwise than then: what
     differs is told, and --anyway flies it all the same.
     """
-    from trainer.analysis.replay_page import replay_file  # noqa: PLC0415
+    from trainer.session.replay import replay_file  # noqa: PLC0415
 
     changed = {name: value for name, value in otherwise.items() if value is not None}
     sys.exit(replay_file(file, changed, anyway=anyway, as_json=as_json))

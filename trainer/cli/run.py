@@ -1,4 +1,4 @@
-"""Commands that take a boat to sea, and that attach to a running session."""
+"""Commands that take a boat to sea, attach to its session, and serve its pages."""
 
 import math
 import socket
@@ -6,14 +6,16 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import click
 
-from trainer.cli.options import run_options, without_console
-from trainer.cli.shared_options import (
+from trainer.cli.options import (
     EXERCISE,
     RECORDING,
+    WEB,
+    certificate_options,
+    connect_option,
     connect_options,
     console_options,
     core_options,
@@ -21,13 +23,15 @@ from trainer.cli.shared_options import (
     port_options,
     recording_options,
     rerun_options,
+    run_options,
     teletype_option,
     time_options,
     trainee_options,
     web_run_options,
     web_serve_options,
+    without_console,
 )
-from trainer.cli.web import require_pages
+from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
 from trainer.io.paths import HOST, PAGES, PORT
 from trainer.session.options import RunOptions
@@ -137,7 +141,7 @@ def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
     def serve_at(where: str) -> NoReturn:
         begin(replace(without_console(chosen), socket=where, until_left=True))
 
-    from trainer.session.stations.access import ANY, read_tokens  # noqa: PLC0415
+    from trainer.session.stations.roles import ANY, read_tokens  # noqa: PLC0415
 
     tokens = read_tokens(chosen.token)
     token = tokens.get("instructor", tokens.get(ANY))
@@ -251,7 +255,7 @@ def resume(file: Path, *, anyway: bool, teletype: bool, **options: Any) -> None:
     options["frozen"] = options["frozen"] or not options["headless"]
 
     def go_on(chosen: RunOptions) -> NoReturn:
-        from trainer.session.resume import resume_boat  # noqa: PLC0415
+        from trainer.session.replay import resume_boat  # noqa: PLC0415
 
         sys.exit(resume_boat(file, chosen, debriefing(), anyway=anyway))
 
@@ -316,3 +320,56 @@ def be(url: str | None, role: str, token: str | None, *, teletype: bool) -> int:
     from trainer.session.attach import attach_to  # noqa: PLC0415
 
     return attach_to(url, role, token)
+
+
+# The command that serves the pages of a session.
+
+
+PAGES_NEED: Final = ("starlette", "uvicorn", "websockets", "segno")  # libraries of the extra
+
+
+@click.command()
+@connect_option
+@click.option(
+    "--web",
+    "address",
+    default=WEB,
+    show_default=True,
+    metavar="HOST:PORT",
+    help="Where the pages are; beyond this machine only for a session with --token.",
+)
+@certificate_options
+@click.option("--open/--no-open", "opens", default=True, help="Open them in a browser here.")
+@click.option("--owner", type=int, default=None, hidden=True)  # see page_server
+def web(
+    *,
+    url: str | None,
+    address: str,
+    cert: Path | None,
+    key: Path | None,
+    opens: bool,
+    owner: int | None,
+) -> None:
+    """Serve the stations of a running session as pages for browsers.
+
+    \b
+    Example:  trainer web
+              trainer web --connect tcp://bridge:17800 --web 0.0.0.0:8080
+
+    It goes on when the session ends, and serves the next that begins there. `trainer run --web`
+    and `trainer serve --web HOST:PORT` begin both at once. Ctrl-C ends it, exit code 0.
+    """
+    require_pages("trainer web")
+    from trainer.web import launch  # noqa: PLC0415  what the plain install lacks
+
+    certificate = launch.certificate_of(cert, key)
+    if owner is None or url is None:
+        launch.serve_pages(url, address, certificate, opens=opens)
+    else:
+        launch.serve_owner(url, address, certificate, owner, opens=opens)
+
+
+def require_pages(asked: str) -> None:
+    """Check that the libraries of the pages are installed; ConfigError naming their extra."""
+    for library in PAGES_NEED:
+        require_library(library, asked)

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from trainer.analysis.sweep.batch import Subject
 from trainer.analysis.sweep.exercises import Exercising
+from trainer.analysis.sweep.job import Subject
 from trainer.analysis.sweep.manoeuvres import Manoeuvring
 from trainer.analysis.sweep.study import EXERCISE, IDENTIFICATION, MANOEUVRE, Study
 from trainer.identify.monte_carlo import Identifying

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from trainer.cli.answers import json_of, outputs, show
-from trainer.cli.shared_options import STUDY
+from trainer.cli.options import STUDY
 from trainer.cli.types import File
 
 
@@ -59,12 +59,12 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
     if member is not None:
         _show_member(open_job(job), job, member, as_json=options["as_json"])
         return
-    from trainer.analysis.sweep.parquet import check_pyarrow  # noqa: PLC0415
     from trainer.analysis.sweep.report import (  # noqa: PLC0415
         panels,
         render,
         report_of,
     )
+    from trainer.analysis.sweep.results import check_pyarrow  # noqa: PLC0415
 
     check_pyarrow()
     out = options["out"] or Path(f"{Path(study).stem}.parquet")
@@ -77,8 +77,12 @@ def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
     """Return the result as a table of pyarrow, with a progress bar on a terminal."""
     from trainer.analysis.guide.programme import processors  # noqa: PLC0415
     from trainer.analysis.sweep.job import open_job  # noqa: PLC0415
-    from trainer.analysis.sweep.sweep import carry_out  # noqa: PLC0415
-    from trainer.analysis.sweep.workers import AGAIN, cluster, processes  # noqa: PLC0415
+    from trainer.analysis.sweep.sweep import (  # noqa: PLC0415
+        AGAIN,
+        carry_out,
+        cluster,
+        processes,
+    )
 
     crew = processes(options["jobs"] or processors())
     if options["scheduler"] is not None:

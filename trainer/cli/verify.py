@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from trainer.cli.shared_options import FILE, RECORDING, VESSEL, VESSEL_HELP
+from trainer.cli.options import FILE, RECORDING, VESSEL, VESSEL_HELP
 
 
 @click.command()
@@ -228,7 +228,7 @@ def bench(
     found, pages = {}, []
     if everything or not chosen:
         from trainer.verify.bench.bench import bench as measure  # noqa: PLC0415
-        from trainer.verify.bench.bench_page import render  # noqa: PLC0415
+        from trainer.verify.bench.bench import render  # noqa: PLC0415
 
         figures = measure(file, seconds or 10)
         pages.append(render(figures))

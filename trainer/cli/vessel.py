@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from trainer.cli.answers import Number, json_of, outputs, show
-from trainer.cli.shared_options import SEA, TOML, VESSEL, VESSEL_HELP, method_options
+from trainer.cli.options import SEA, TOML, VESSEL, VESSEL_HELP, method_options
 from trainer.cli.types import Commands
 
 
@@ -239,12 +239,12 @@ def _search_reduction(
     file: Any, cores: int, result: Path | None, drops: Any, *, quick: bool
 ) -> Any:
     """Return the reduction that a search finds, written to ``result`` if there is one."""
-    from trainer.analysis.reduce import checkpoint, reduction, write_back  # noqa: PLC0415
+    from trainer.analysis.reduce import page, reduction  # noqa: PLC0415
     from trainer.analysis.reduce.objective import terms  # noqa: PLC0415
     from trainer.config.files import ConfigError  # noqa: PLC0415
     from trainer.io.atomic_write import write_whole  # noqa: PLC0415
 
-    partial = checkpoint.place(result) if result else None
+    partial = reduction.checkpoint_of(result) if result else None
     length = reduction.SEARCHES * len(terms(file, "modified"))
     with bar(length, "dropping terms") as step:
         found = reduction.search(file, cores, partial, step, quick=quick)
@@ -252,10 +252,10 @@ def _search_reduction(
     if result is None:
         return report
     notes = {"kept": len(report.kept), "of": report.hull_terms}
-    tables = write_back.tables(found.factors, found.needs, notes)
+    tables = page.factor_tables(found.factors, found.needs, notes)
     try:
-        write_whole(result, write_back.rewritten(file.text, tables))
+        write_whole(result, page.rewritten(file.text, tables))
     except OSError as error:
         raise ConfigError(f"{result}: cannot be written: {error.strerror}") from None
-    checkpoint.discard(checkpoint.place(result))
+    reduction.discard_checkpoint(reduction.checkpoint_of(result))
     return report

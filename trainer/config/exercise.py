@@ -21,7 +21,6 @@ from trainer.config.files import (
     quote,
     read_text,
 )
-from trainer.config.method import EQUATIONS
 from trainer.config.reference_crew import CREW_TABLES, Crew, CrewRow, Helmsman, Planesman, read_crew
 from trainer.config.schema import (
     Choice,
@@ -40,6 +39,7 @@ from trainer.config.schema import (
 )
 from trainer.config.score_rules import Rule, Score, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
+from trainer.config.words import EQUATIONS
 from trainer.config.world import READERS, WORLD_RECORDS, WorldTables, read_world
 from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import LATEST, Scheduled

@@ -15,9 +15,16 @@ from textual.css.query import NoMatches
 from textual.screen import Screen
 from textual.widgets import Input
 
-from trainer.console.choice import Done, casualty_choice, sea_choice
 from trainer.console.crew import CrewOrder
-from trainer.console.dialogs import Dialog, Subject, emergency, leaving
+from trainer.console.dialogs import (
+    Dialog,
+    Done,
+    Subject,
+    casualty_choice,
+    emergency,
+    leaving,
+    sea_choice,
+)
 from trainer.console.drawing.chart import strip
 from trainer.console.drawing.event_log import log, time_at, time_line
 from trainer.console.drawing.panels import flowed, foot, key_at, top

@@ -9,8 +9,7 @@ from textual.app import App
 from textual.binding import BindingType
 
 from trainer.config.course import Lesson
-from trainer.console.choice import HEAD, NOTHING, Choice, Done, Row
-from trainer.console.dialogs import Dialog
+from trainer.console.dialogs import HEAD, NOTHING, Choice, Dialog, Done, Row
 from trainer.console.pane import Lines, fit, line
 
 FREELY: Final = "Sail freely"

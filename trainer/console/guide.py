@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
-from trainer.console.choice import NOTHING, Done
-from trainer.console.drawing.plan import plan
+from trainer.console.dialogs import NOTHING, Done
+from trainer.console.drawing.chart import plan
 from trainer.console.journal import clock
 from trainer.console.keys import KEYS
 from trainer.console.model import SessionModel

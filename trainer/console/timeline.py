@@ -6,7 +6,7 @@ The user chooses a place on the time line, and returns or replays from there.
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.console.choice import NOTHING, Done
+from trainer.console.dialogs import NOTHING, Done
 from trainer.console.drawing.event_log import end_of, moments, time_at, time_line
 from trainer.console.journal import Kept, clock
 from trainer.console.model import SessionModel

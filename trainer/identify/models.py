@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.config.files import ConfigError, nearest
-from trainer.config.identification import CHANNELS
+from trainer.config.words import CHANNELS
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels import ship_models
 from trainer.identify.kernels.kernel import Entries

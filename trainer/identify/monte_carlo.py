@@ -8,8 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.sweep.batch import Batch, member
-from trainer.analysis.sweep.outputs import COVERED, DEVIATION, Output
+from trainer.analysis.sweep.job import COVERED, DEVIATION, Batch, Output, member
 from trainer.analysis.sweep.records import PARAMETERS, IdentificationTable, Parameter
 from trainer.analysis.sweep.study import Study
 from trainer.config.files import ConfigError, Place, nearest, quote

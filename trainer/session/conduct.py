@@ -4,7 +4,6 @@ These orders are about the session as a whole. They are heard here before any ot
 without command watches and marks, and after the end of an exercise time stands still.
 """
 
-import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -18,7 +17,7 @@ from trainer.config.course import course
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import RecordingError
-from trainer.session.control import HERE, Control
+from trainer.session.control import HERE, Command, Control
 from trainer.session.crew import role_of
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import (
@@ -35,23 +34,7 @@ from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
 from trainer.session.stations.station import Asked, Fact, News, Station
 
 AGAIN_WITHIN: Final = 10.0  # [s] for `quit` to be said again
-ANSWER_WITHIN: Final = 10.0  # [s] for whoever has command to keep it
-WATCHING: Final = frozenset(  # what an instructor without command may say
-    {
-        *("role", "help", "status", "briefing", "log", "who", "subscribe", "unsubscribe", "detach"),
-        *("history", "mark", "branches", "snapshots", "casualties", "plans", "command", "ack"),
-    }
-)
 NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer", "visitor")  # nobody asks: ready?
-
-
-@dataclass
-class Command:
-    """Which of several instructors orders; the others watch and mark."""
-
-    holder: Station | None = None
-    asker: Station | None = None
-    until: float = 0.0  # [s] on the clock, to answer who asks
 
 
 @dataclass
@@ -68,14 +51,15 @@ class Conduct:
     kept: Path | None = None  # where the session is recorded
     following: Following = field(default_factory=Following)
     clock: Callable[[], float] = time.monotonic
-    command: Command = field(default_factory=Command)
     ready: list[Station] = field(default_factory=list)
     begun: bool = False  # time has run
     compiled_from: int = 0  # the tick, where the run began interpreted
+    command: Command = field(init=False)
     work: Work = field(init=False)
     past: PastReader = field(init=False)
 
     def __post_init__(self) -> None:
+        self.command = Command(self.log, self.wake, self.clock)
         self.work = Work(self.wake)
         history = self.control.history
         self.ground = GroundMonitor(history.boat)
@@ -94,14 +78,14 @@ class Conduct:
             "snapshots": self._snapshots,
             "history": self._history,
             "ready": self._be_ready,
-            "command": self._ask_for_command,
-            "give": self._give_command,
-            "keep": self._keep_command,
+            "command": self.command.ask,
+            "give": self.command.give,
+            "keep": self.command.keep,
         }
 
     def hear(self, asked: Asked) -> bool:
         """Obey and answer an order about the conduct of the session. Return whether it was one."""
-        why = self._barred(asked)
+        why = self.command.barred(asked)
         if why:
             asked.station.answer(asked, Refused(why))
             return True
@@ -111,13 +95,7 @@ class Conduct:
     def tend(self) -> None:
         """Take what is done by now, and see whose command it is; between orders."""
         self.work.settle()
-        command = self.command
-        if command.asker and command.asker not in self.log.stations:
-            command.asker = None
-        if command.holder and command.holder not in self.log.stations:
-            self._pass_command(next(iter(self._instructors()), None))
-        elif command.asker and self.clock() >= command.until:
-            self._pass_command(command.asker)
+        self.command.tend()
 
     # The end of the exercise
 
@@ -425,76 +403,3 @@ class Conduct:
         """Return the others that came and said who they are."""
         there = [each for each in self.log.stations if each.visits and each.settled]
         return [each for each in there if each is not station and not each.line.ended]
-
-    def _instructors(self) -> list[Station]:
-        there = [each for each in self.log.stations if each.role is INSTRUCTOR]
-        return [each for each in there if not each.line.ended and not each.leaving]
-
-    def _barred(self, asked: Asked) -> str:
-        """Return why an instructor may not order this now, "" if anybody may."""
-        station, command = asked.station, self.command
-        if station.role is not INSTRUCTOR or asked.order.name in WATCHING:
-            return ""
-        self._settle_command(station)
-        if command.holder is station or command.holder is None:
-            return ""
-        return f"{command.holder.line.name} has command: take command asks for it"
-
-    def _settle_command(self, station: Station) -> None:
-        """Give command to who came first of the instructors, if nobody has it."""
-        there = self._instructors()
-        if self.command.holder not in there:
-            self.command.holder = next(iter(there), station)
-
-    def _ask_for_command(self, asked: Asked) -> bool:
-        command, station = self.command, asked.station
-        self._settle_command(station)
-        if command.holder is None or command.holder is station:
-            station.answer(asked, "you have command")
-            return True
-        if command.asker not in (None, station):
-            station.answer(asked, Refused(f"{command.asker.line.name} has asked for it already"))
-            return True
-        command.asker, command.until = station, self.clock() + ANSWER_WITHIN
-        self._wake_after(ANSWER_WITHIN)
-        name = station.line.name
-        within = f"within {ANSWER_WITHIN:g} s"
-        text = f"{name} asks for command: give command, or keep command, {within}"
-        self.log.tell("exercise", text, station, Fact("asked", name))
-        station.answer(asked, f"{command.holder.line.name} is asked; it is yours {within} if not")
-        return True
-
-    def _give_command(self, asked: Asked) -> bool:
-        taker = self.command.asker
-        if taker is None:
-            others = [each for each in self._instructors() if each is not asked.station]
-            taker = others[0] if others else None
-        if taker is None:
-            asked.station.answer(asked, Refused("there is no other instructor"))
-            return True
-        self._pass_command(taker)
-        asked.station.answer(asked, f"{taker.line.name} has command")
-        return True
-
-    def _keep_command(self, asked: Asked) -> bool:
-        asker, self.command.asker = self.command.asker, None
-        if asker is None:
-            asked.station.answer(asked, Refused("nobody has asked for command"))
-            return True
-        holder = asked.station
-        kept = f"{holder.line.name} keeps command"
-        self.log.tell("exercise", kept, holder, Fact("command", holder.line.name))
-        holder.answer(asked, "you keep command")
-        return True
-
-    def _pass_command(self, taker: Station | None) -> None:
-        """Let another have command."""
-        self.command.holder, self.command.asker = taker, None
-        if taker is not None:
-            name = taker.line.name
-            self.log.tell("exercise", f"{name} has command", fact=Fact("command", name))
-
-    def _wake_after(self, seconds: float) -> None:
-        timer = threading.Timer(seconds, self.wake)
-        timer.daemon = True
-        timer.start()

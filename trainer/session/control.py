@@ -1,6 +1,8 @@
-"""The instructor's orders about time and moments."""
+"""The instructor's orders about time and moments, and which of several instructors gives them."""
 
 import math
+import threading
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -9,10 +11,20 @@ from trainer.boat.boat import Boat
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.recording.recording import Moment
+from trainer.session.event_log import EventLog
 from trainer.session.history import History
+from trainer.session.stations.roles import INSTRUCTOR
+from trainer.session.stations.station import Asked, Fact, Station
 from trainer.session.time.timekeeping import Timekeeping
 
 HERE: Final = "here"  # the present moment, where one is named
+ANSWER_WITHIN: Final = 10.0  # [s] for whoever has command to keep it
+WATCHING: Final = frozenset(  # what an instructor without command may say
+    {
+        *("role", "help", "status", "briefing", "log", "who", "subscribe", "unsubscribe", "detach"),
+        *("history", "mark", "branches", "snapshots", "casualties", "plans", "command", "ack"),
+    }
+)
 Duty = Callable[[Order, str], Reply]  # takes who orders it
 
 
@@ -184,3 +196,99 @@ class Control:
     def _begin_again(self) -> None:
         self.failure = ""
         self.steps = 0
+
+
+@dataclass
+class Command:
+    """Which of several instructors orders; the others watch and mark."""
+
+    log: EventLog
+    wake: Callable[[], object]  # has the session's thread listen
+    clock: Callable[[], float] = time.monotonic
+    holder: Station | None = None
+    asker: Station | None = None
+    until: float = 0.0  # [s] on the clock, to answer who asks
+
+    def tend(self) -> None:
+        """Pass command on if its holder has left, or has not answered in time."""
+        if self.asker and self.asker not in self.log.stations:
+            self.asker = None
+        if self.holder and self.holder not in self.log.stations:
+            self._pass_to(next(iter(self._instructors()), None))
+        elif self.asker and self.clock() >= self.until:
+            self._pass_to(self.asker)
+
+    def barred(self, asked: Asked) -> str:
+        """Return why an instructor may not order this now, "" if anybody may."""
+        station = asked.station
+        if station.role is not INSTRUCTOR or asked.order.name in WATCHING:
+            return ""
+        self._settle(station)
+        if self.holder is station or self.holder is None:
+            return ""
+        return f"{self.holder.line.name} has command: take command asks for it"
+
+    def ask(self, asked: Asked) -> bool:
+        """Ask whoever has command for it; who does not answer in time has lost it."""
+        station = asked.station
+        self._settle(station)
+        if self.holder is None or self.holder is station:
+            station.answer(asked, "you have command")
+            return True
+        if self.asker not in (None, station):
+            station.answer(asked, Refused(f"{self.asker.line.name} has asked for it already"))
+            return True
+        self.asker, self.until = station, self.clock() + ANSWER_WITHIN
+        self._wake_after(ANSWER_WITHIN)
+        name = station.line.name
+        within = f"within {ANSWER_WITHIN:g} s"
+        text = f"{name} asks for command: give command, or keep command, {within}"
+        self.log.tell("exercise", text, station, Fact("asked", name))
+        station.answer(asked, f"{self.holder.line.name} is asked; it is yours {within} if not")
+        return True
+
+    def give(self, asked: Asked) -> bool:
+        """Give command to who asked for it, else to another instructor."""
+        taker = self.asker
+        if taker is None:
+            others = [each for each in self._instructors() if each is not asked.station]
+            taker = others[0] if others else None
+        if taker is None:
+            asked.station.answer(asked, Refused("there is no other instructor"))
+            return True
+        self._pass_to(taker)
+        asked.station.answer(asked, f"{taker.line.name} has command")
+        return True
+
+    def keep(self, asked: Asked) -> bool:
+        """Keep command, which somebody asks for."""
+        asker, self.asker = self.asker, None
+        if asker is None:
+            asked.station.answer(asked, Refused("nobody has asked for command"))
+            return True
+        holder = asked.station
+        kept = f"{holder.line.name} keeps command"
+        self.log.tell("exercise", kept, holder, Fact("command", holder.line.name))
+        holder.answer(asked, "you keep command")
+        return True
+
+    def _instructors(self) -> list[Station]:
+        there = [each for each in self.log.stations if each.role is INSTRUCTOR]
+        return [each for each in there if not each.line.ended and not each.leaving]
+
+    def _settle(self, station: Station) -> None:
+        """Give command to who came first of the instructors, if nobody has it."""
+        there = self._instructors()
+        if self.holder not in there:
+            self.holder = next(iter(there), station)
+
+    def _pass_to(self, taker: Station | None) -> None:
+        self.holder, self.asker = taker, None
+        if taker is not None:
+            name = taker.line.name
+            self.log.tell("exercise", f"{name} has command", fact=Fact("command", name))
+
+    def _wake_after(self, seconds: float) -> None:
+        timer = threading.Timer(seconds, self.wake)
+        timer.daemon = True
+        timer.start()

@@ -98,7 +98,7 @@ def compile_beside() -> None:
     found = os.pathsep.join(filter(None, (ours, os.environ.get("PYTHONPATH"))))
     with (cache_folder() / compilation.COMPLAINTS).open("wb") as said:
         process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "trainer.session.precompilation"],
+            [sys.executable, "-P", "-m", "trainer.session.warm_up"],
             env=os.environ | {"PYTHONPATH": found},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,

@@ -16,7 +16,7 @@ from trainer.io import paths
 from trainer.io.serial_line import LinkError
 from trainer.io.server import listen_at, parse_address
 from trainer.session.options import RunOptions
-from trainer.session.stations.access import read_tokens, refuse_open_door
+from trainer.session.stations.roles import read_tokens, refuse_open_door
 
 FIRST: Final = 0.25  # [s] until a dead server is begun again, twice as long each time after
 LONGEST_WAIT: Final = 8.0  # [s]

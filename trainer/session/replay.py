@@ -1,4 +1,4 @@
-"""A recording is flown again.
+"""A recording is flown again to the same bits, or its run goes on.
 
 Its orders are given at their ticks, its states compared bit by bit.
 """
@@ -6,22 +6,39 @@ Its orders are given at their ticks, its states compared bit by bit.
 import math
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
-from trainer.config.files import ConfigError, collecting
+from trainer.boat.world.scope import periscope_of
+from trainer.config.files import ConfigError, collecting, json_text
 from trainer.core.kernel import Record
+from trainer.io.lines import plain
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Branch, Journalled, Recording
-from trainer.session.header import NOTHING, layout_of, method_of, plan_of
-from trainer.session.history import order_of, settle_world
+from trainer.session.exercise import Debriefing
+from trainer.session.header import (
+    NOTHING,
+    differences,
+    layout_of,
+    method_of,
+    notes,
+    plan_of,
+    reading,
+    refusing_damage,
+)
+from trainer.session.history import History, order_of, settle_world
 from trainer.session.layout import Unlike, read_state, unlike
+from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
+from trainer.session.run import PreparedRun, fly
+from trainer.session.warm_up import set_garbage_aside, warm
 
 
 @dataclass(frozen=True)
@@ -78,10 +95,10 @@ def replay_anyway(recording: Recording, otherwise: Mapping[str, Any] = NOTHING) 
     pace = method_of(header).step / plan.method.step
     course = Course(plan, boat, layout_of(header), pace, bool(otherwise))
     with np.errstate(all="ignore"):
-        return [fly(recording, branch, course) for branch in recording.branches()]
+        return [fly_branch(recording, branch, course) for branch in recording.branches()]
 
 
-def fly(recording: Recording, branch: Branch, course: Course) -> Flight:
+def fly_branch(recording: Recording, branch: Branch, course: Course) -> Flight:
     """Fly one branch again."""
     flight = Flight(branch)
     troubles: list[str] = []
@@ -146,3 +163,141 @@ def compare(flight: Flight, tick: int, recorded: bytes, course: Course) -> None:
 def recorded_state(state: bytes, course: Course) -> Record:
     """Return a recorded state as a record of this version."""
     return read_state(state, course.layout, course.boat.records.state)
+
+
+# A recorded run goes on. The boat is brought to its last order, then sails as in any run.
+
+
+def resume_boat(
+    path: Path, options: RunOptions, debriefing: Debriefing | None = None, *, anyway: bool
+) -> int:
+    """Go on with the recording at ``path``; return the exit code."""
+    with refusing_damage():
+        recording = Recording.reopen(path)
+    try:
+        with refusing_damage():
+            header = recording.header()
+            refuse_other(path, differences(header), anyway=anyway)
+            plan = plan_of(header)
+            boat = Boat(plan.file, plan.method)
+            warm(boat)
+            set_garbage_aside()
+            history = bring_up(recording, plan, boat, layout_of(header))
+            history.noted()  # what is damaged in its past is told before anything begins
+    except BaseException:
+        recording.close()
+        raise
+    seconds = options.duration
+    if seconds is not None and seconds <= boat.time:
+        recording.close()
+        raise ConfigError(f"--duration {seconds:g} s: this run is at {boat.time:g} s already")
+    how = "time is frozen: say run" if options.frozen else "going on"
+    if seconds is None and plan.duration is not None and plan.duration <= boat.time:
+        how = "at its end; --duration goes on beyond it"
+    click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)
+    plan = plan if seconds is None else replace(plan, duration=seconds)
+    return fly(PreparedRun(plan, boat, history, str(path), debriefing=debriefing), options).code
+
+
+def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:
+    """Raise ConfigError with what differs from the recording, unless it is to be done anyway."""
+    if found and not anyway:
+        raise ConfigError(
+            *(f"{path.name}: {each}" for each in found),
+            f"{path.name}: would not be the same run; --anyway goes on all the same",
+        )
+
+
+def count_exposure(recording: Recording, boat: Boat, layout: tuple[str, ...]) -> None:
+    """Count again for how long the periscope has shown, by the states before this."""
+    scope = periscope_of(boat)
+    if scope is None or not scope.acts:
+        return
+    latest, present = boat.ticks, boat.records.state.copy()
+    for flown in recording.flown(recording.branch):
+        if flown.tick < latest and scope.at(flown.tick).out > 0.0:
+            boat.restore(read_state(flown.state, layout, present))
+            scope.write(boat.state)
+    boat.restore(present)
+
+
+def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ...]) -> History:
+    """Return the history of a boat brought to where its recording ends.
+
+    The last recorded state, then every order journalled since at its tick: no order is lost.
+    """
+    plan.start(boat)  # also what no state holds: the triggers armed
+    latest = recording.latest()
+    boat.restore(read_state(latest.state, layout, boat.records.state))
+    if boat.ticks != latest.tick:
+        raise ConfigError(f"recording: its state of tick {latest.tick} is of another: damaged")
+    settle_world(boat, recording, recording.branch, latest.after)
+    count_exposure(recording, boat, layout)
+    history = History(boat, recording, latest.after, latest.place)
+    with np.errstate(all="ignore"):
+        for entry in recording.orders(recording.branch, latest.after):
+            while history.tick < entry.tick:
+                if status := boat.tick():
+                    raise ConfigError(f"cannot be brought up: {boat.failure(status)}")
+                history.ticked(history.tick)
+            order = order_of(entry, plan.schedule)
+            if order is not None and order.name in BOAT_ORDERS:
+                history.answered(entry.id, obey(boat, order))
+            history.after = entry.id
+            if entry.place is not None:
+                history.place = entry.place + 1
+    return history
+
+
+# The command ``trainer replay`` flies each branch of a recording again and compares it.
+
+
+def replay_file(path: Path, otherwise: Mapping[str, Any], *, anyway: bool, as_json: bool) -> int:
+    """Fly a recording again and print how it went; return the exit code."""
+    with reading(path) as recording:
+        header = recording.header()
+        found = differences(header, otherwise)
+        refuse_other(path, found, anyway=anyway)
+        for note in (*found, *notes(header)):
+            click.echo(plain(f"note: {note}"), err=True)
+        flights = replay_anyway(recording, otherwise)
+    click.echo(
+        json_text([as_row(each) for each in flights], indent=1)
+        if as_json
+        else flights_page(flights)
+    )
+    return 0 if all(flight.same for flight in flights) else 1
+
+
+def as_row(flight: Flight) -> dict[str, Any]:
+    """Return a flight as JSON has it."""
+    parting = flight.parting and asdict(flight.parting)
+    return {
+        "branch": flight.branch.id,
+        "from_tick": flight.branch.tick,
+        "why": flight.branch.why,
+        "states_compared": flight.compared,
+        "states_unequal": flight.unequal,
+        "same": flight.same,
+        "first_difference": parting,
+        "answers": flight.answers,
+        "trouble": flight.trouble,
+    }
+
+
+def flights_page(flights: list[Flight]) -> str:
+    """Return the flights as lines."""
+    return "\n".join(plain(line) for flight in flights for line in describe_flight(flight))
+
+
+def describe_flight(flight: Flight) -> list[str]:
+    """Return a flight in words."""
+    branch = flight.branch
+    begun = f", from tick {branch.tick} ({branch.why})" if branch.parent else ""
+    verdict = "the same to the last bit"
+    if not flight.same:
+        verdict = f"NOT THE SAME: {flight.unequal} of them differ"
+    lines = [f"branch {branch.id}{begun}: {flight.compared} states, {verdict}"]
+    lines += [f"  {flight.parting}"] if flight.parting else []
+    lines += [f"  {answer}" for answer in flight.answers]
+    return lines + ([f"  {flight.trouble}"] if flight.trouble else [])

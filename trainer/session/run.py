@@ -34,14 +34,13 @@ from trainer.session.options import RunOptions
 from trainer.session.page_server import PageServer, serving_pages
 from trainer.session.plan import OVERRULED, Plan, plan_run
 from trainer.session.ports import PATIENCE, Ports, keeps_no_time
+from trainer.session.rerun.batch import Subject
 from trainer.session.rerun.request import open_log
-from trainer.session.rerun.subject import Subject
 from trainer.session.session import Session
 from trainer.session.stations.briefing import Briefing
 from trainer.session.stations.past import recalled
-from trainer.session.stations.reception import Closed
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER
-from trainer.session.stations.station import Fact
+from trainer.session.stations.station import Closed, Fact
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
 from trainer.session.stations.view import StateReader
 from trainer.session.time.ledger import SECOND

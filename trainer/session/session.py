@@ -29,9 +29,8 @@ from trainer.session.event_log import CREW, MOMENTS, TIME, EventLog
 from trainer.session.history import History
 from trainer.session.stations.briefing import Briefing, in_words, ranges
 from trainer.session.stations.display import panel
-from trainer.session.stations.reception import Closed, Reception
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
-from trainer.session.stations.station import Asked, Fact, Station
+from trainer.session.stations.station import Asked, Closed, Fact, Reception, Station
 from trainer.session.stations.subscriptions import Sending
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.status import status_lines

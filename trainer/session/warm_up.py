@@ -1,16 +1,20 @@
 """A boat is made ready for sea. It is compiled before the clock starts, at a stable step."""
 
 import gc
+import os
 from functools import partial
 from typing import Final
 
 import click
 
 from trainer.boat import casualties, compilation
+from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
+from trainer.core.cache import cache_folder
 from trainer.core.start import set_out
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
@@ -64,3 +68,27 @@ def refuse_unstable(boat: Boat) -> None:
             f"{verdict.worst}; the largest stable step is {verdict.largest:.3g} s "
             "(--unsafe-step runs it all the same)"
         )
+
+
+# The core compiled for later starts: ``python -m trainer.session.warm_up``
+
+
+LONGEST: Final = 600  # [s] of processor time: whatever happens, it ends
+
+
+def precompile() -> None:
+    """Compile what a run needs, unless another process does so or has done so."""
+    if os.name == "posix":
+        import resource  # noqa: PLC0415  not everywhere
+
+        os.nice(19)
+        resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
+    with compilation.compiling() as alone:
+        if alone and not compilation.is_kept():
+            try_out(Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5)))
+            compilation.keep()
+            (cache_folder() / compilation.COMPLAINTS).unlink(missing_ok=True)
+
+
+if __name__ == "__main__":
+    precompile()

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from trainer.analysis.debrief.data import gather
-from trainer.analysis.debrief.encounters import shown as shown_ticks
+from trainer.analysis.debrief.episodes import shown as shown_ticks
 from trainer.analysis.debrief.scoring import attain
 from trainer.analysis.debrief.trajectory import COLUMNS, Trajectory
 from trainer.boat.boat import Boat
@@ -45,7 +45,7 @@ from trainer.io.recording.recording import Noted, Recording
 from trainer.session.header import layout_of, plan_of
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
-from trainer.session.resume import bring_up
+from trainer.session.replay import bring_up
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger

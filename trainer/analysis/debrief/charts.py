@@ -31,7 +31,7 @@ from trainer.analysis.report.svg import (
     text,
     time_axis,
 )
-from trainer.config.measures import COURSE
+from trainer.config.score_rules import COURSE
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
 from trainer.units import KNOT

@@ -9,7 +9,6 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.debrief.changes import WIDTH, Change, changed_card, read_changes
-from trainer.analysis.debrief.encounters import meet
 from trainer.analysis.debrief.episodes import (
     Deflection,
     Episode,
@@ -17,6 +16,7 @@ from trainer.analysis.debrief.episodes import (
     answer_to,
     crew_orders,
     deflection,
+    meet,
     read_backs,
     spells,
 )

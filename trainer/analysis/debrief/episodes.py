@@ -1,21 +1,36 @@
-"""Episodes of a passage: each casualty with its answer, each order with its repeat.
+"""Episodes of a passage: casualties and answers, orders and repeats, ships met, groundings.
 
 All from states and journal: a recording without orders to the crew has none to tell.
 """
 
 import math
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import dataclass, field, replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.analysis.debrief.trajectory import AMOUNTS, CREW_ORDERS, SLOTS, Trajectory
+from trainer.analysis.debrief.trajectory import (
+    AMOUNTS,
+    CREW_ORDERS,
+    SLOTS,
+    Rows,
+    Trajectory,
+    eye_heights,
+)
+from trainer.boat.grounding import AFLOAT, AGROUND, LAID, Touch, lies_well, touch_of
+from trainer.boat.world.bottom import ground_under
+from trainer.boat.world.contacts import contacts_in
+from trainer.boat.world.encounters import EncounterMonitor
+from trainer.boat.world.hulls import OwnHull, Pose
+from trainer.boat.world.scope import Mast, Periscope, periscope_of
+from trainer.config.bottom import Bottom
 from trainer.config.casualties import Casualty
 from trainer.config.files import ConfigError
-from trainer.config.measures import COURSE
-from trainer.config.score_rules import INSTRUCTING
+from trainer.config.score_rules import COURSE, INSTRUCTING
 from trainer.core.casualties import KINDS
+from trainer.core.kernel import Numbers
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Journalled
@@ -217,3 +232,151 @@ def _kept_from(each: ReadBack, end: int, trajectory: Trajectory) -> int | None:
     first = int(beyond[-1]) + 1 if beyond.size else 0
     ticks = trajectory.ticks[rows]
     return int(ticks[first]) if first < ticks.size else None
+
+
+# The ships that a run met: how near each came, and collisions.
+
+
+POSE: Final = ("x", "y", "z", "phi", "theta", "psi")
+MARKED: Final = re.compile(r"contact\b.*?(\d{1,3}(?:\.\d+)?)\s*", re.IGNORECASE)
+AIMED: Final = math.radians(3.0)  # [rad] between a mark's bearing and the ship's
+
+
+@dataclass(frozen=True)
+class Met:
+    """Every ship's closest approach, and the nearest ship's range at each tick."""
+
+    nearest: Numbers  # [m] in the step to each tick, infinity without ships
+    closest: dict[str, tuple[float, int]] = field(default_factory=dict)  # [m] and tick, by name
+    collisions: tuple[tuple[int, str], ...] = ()  # ticks and names
+    collision: str = "call"  # what the exercise has one do
+
+
+def meet(trajectory: Trajectory) -> Met:
+    """Return the ships that were met on a passage."""
+    contacts = contacts_in(trajectory.boat)
+    nearest = np.full(trajectory.ticks.size, np.inf)
+    if contacts is None or not contacts.any:
+        return Met(nearest)
+    monitor = EncounterMonitor(contacts, OwnHull.of(trajectory.boat))
+    rows = zip(*(trajectory.columns[name].tolist() for name in POSE), strict=True)
+    poses = [Pose(*row) for row in rows]
+    collisions = []
+    for row in range(1, len(poses)):
+        tick = int(trajectory.ticks[row])
+        monitor.step(contacts, tick, poses[row - 1], poses[row])
+        nearest[row] = monitor.nearest[1]
+        if monitor.struck:
+            collisions.append((tick, monitor.struck))
+    return Met(nearest, monitor.closest, tuple(collisions), contacts.encounters.collision)
+
+
+@dataclass(frozen=True)
+class Detection:
+    """A ship that came in sight, and when it was marked, if ever."""
+
+    name: str
+    seen: int  # tick
+    marked: int | None
+
+
+def masts(trajectory: Trajectory, scope: Periscope) -> list[Mast]:
+    """Return how the mast stood at each tick."""
+    return [scope.at(tick) for tick in trajectory.ticks.tolist()]
+
+
+def shown(trajectory: Trajectory) -> tuple[Rows, Numbers]:
+    """Return at which ticks the head was out of the water, and at which raise."""
+    scope = periscope_of(trajectory.boat)
+    if scope is None:
+        return np.zeros(trajectory.ticks.size, bool), np.zeros(trajectory.ticks.size)
+    stood = masts(trajectory, scope)
+    out = np.array([mast.out > 0.0 for mast in stood])
+    return out & (eye_heights(trajectory) > 0.0), np.array([float(mast.raised) for mast in stood])
+
+
+def detections(trajectory: Trajectory) -> list[Detection]:
+    """Return the ships that came in sight, in that order, each with its mark."""
+    scope = periscope_of(trajectory.boat)
+    if scope is None:
+        return []
+    first: dict[str, int] = {}
+    heights, rows = eye_heights(trajectory), shown(trajectory)[0]
+    for row in np.flatnonzero(rows).tolist():
+        tick = int(trajectory.ticks[row])
+        eye = scope.place(state_of(trajectory, row), scope.at(tick), float(heights[row]))
+        for sight in scope.sights(eye, scope.at(tick)):
+            first.setdefault(sight.name, tick)
+    marks = marked(trajectory, scope)
+    return [
+        Detection(name, seen, next((t for t, names in marks if t >= seen and name in names), None))
+        for name, seen in first.items()
+    ]
+
+
+def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
+    """Return place and attitude at a row, by their names in the core."""
+    return {name: float(trajectory.columns[name][row]) for name in ("x", "y", "psi", "theta")}
+
+
+def marked(trajectory: Trajectory, scope: Periscope) -> list[tuple[int, list[str]]]:
+    """Return the tick of each mark, and the ships that it may mean."""
+    found = []
+    for mark in trajectory.marks:
+        said = MARKED.match(mark.text)
+        if said:
+            bearing = math.radians(float(said[1]))
+            state = state_of(trajectory, trajectory.row(mark.tick))
+            near = scope.near(state, mark.tick)
+            names = [
+                n for n, true in near if abs(math.remainder(true - bearing, math.tau)) <= AIMED
+            ]
+            found.append((mark.tick, names))
+    return found
+
+
+# The groundings of a passage: when, how hard, and whether they were meant.
+
+
+class Grounding(NamedTuple):
+    """One time that the ground carried the boat."""
+
+    row: int  # at which it was aground
+    touch: Touch
+    hard: bool
+    at_fault: bool  # it was not meant, or not done well
+
+
+def groundings(trajectory: Trajectory) -> list[Grounding]:
+    """Return the groundings of a passage. Touching it again soon after is the same one."""
+    bottom = ground_under(trajectory.boat)
+    if bottom is None:
+        return []
+    return [_grounding(trajectory, bottom, row) for row in _rows(trajectory)]
+
+
+def _rows(trajectory: Trajectory) -> Iterator[int]:
+    """Yield the rows at which the boat is aground, having been off the ground for a while."""
+    ticks, seconds = trajectory.columns["aground"], trajectory.seconds
+    last = -np.inf
+    for row in np.flatnonzero(ticks >= AGROUND):
+        if row and seconds[row] - last > AFLOAT:
+            yield int(row)
+        last = seconds[row]
+
+
+def _grounding(trajectory: Trajectory, bottom: Bottom, row: int) -> Grounding:
+    columns = trajectory.columns
+    before = max(row - int(columns["aground"][row]), 0)
+    touch = touch_of(lambda name: float(columns[name][before]), float(trajectory.boat.vessel.ell))
+    hard = touch.is_hard(bottom.kind)
+    well = bottom.bottoming and not hard and not touch.faults and _lies(trajectory, row)
+    return Grounding(row, touch, hard, not well)
+
+
+def _lies(trajectory: Trajectory, row: int) -> bool:
+    """Return whether a boat comes to lie as it should, in time."""
+    soon = np.flatnonzero(trajectory.seconds <= trajectory.seconds[row] + LAID)
+    tonnes = trajectory.columns["bottom_load"] / float(trajectory.boat.vessel.g) / 1000.0
+    screw = trajectory.columns["u_c"]
+    return any(lies_well(float(tonnes[i]), float(screw[i])) for i in soon if i >= row)

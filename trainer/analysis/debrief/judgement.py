@@ -12,9 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.debrief.encounters import meet
-from trainer.analysis.debrief.episodes import SCHEDULE, name_of
-from trainer.analysis.debrief.groundings import groundings
+from trainer.analysis.debrief.episodes import SCHEDULE, groundings, meet, name_of
 from trainer.analysis.debrief.measures import limits_of, rows_beyond
 from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict, score
 from trainer.analysis.debrief.trajectory import Rows, Trajectory

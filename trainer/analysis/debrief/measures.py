@@ -10,9 +10,14 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.debrief.encounters import detections, meet, shown
-from trainer.analysis.debrief.episodes import answer_to, first_spell
-from trainer.analysis.debrief.groundings import groundings
+from trainer.analysis.debrief.episodes import (
+    answer_to,
+    detections,
+    first_spell,
+    groundings,
+    meet,
+    shown,
+)
 from trainer.analysis.debrief.trajectory import Rows, Trajectory, showing
 from trainer.boat.depths import lowest_depth
 from trainer.boat.limits import COVERED, FULL

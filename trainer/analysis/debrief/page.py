@@ -21,8 +21,7 @@ from trainer.analysis.debrief.charts import (
     runs_beside,
 )
 from trainer.analysis.debrief.data import DebriefData, compared, figures, find_branch, gather
-from trainer.analysis.report.html import charts, page, paragraph, section
-from trainer.analysis.report.pdf import print_pdf
+from trainer.analysis.report.html import charts, page, paragraph, print_pdf, section
 from trainer.analysis.report.svg import clock, draw
 from trainer.config.files import ConfigError, json_text
 from trainer.io.atomic_write import write_whole

@@ -18,8 +18,7 @@ from trainer.analysis.debrief.scoring import Scorecard, Scored
 from trainer.analysis.debrief.trajectory import Rows, Trajectory
 from trainer.analysis.rehearsal import Departure, Rehearsal, fly, last_tick
 from trainer.config.condition import ANGLE
-from trainer.config.measures import COURSE
-from trainer.config.score_rules import Rule
+from trainer.config.score_rules import COURSE, Rule
 from trainer.core.kernel import Numbers
 from trainer.session.plan import Plan
 

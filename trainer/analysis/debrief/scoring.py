@@ -10,8 +10,7 @@ from trainer.analysis.debrief import measures
 from trainer.analysis.debrief.episodes import first_spell
 from trainer.analysis.debrief.measures import Attained
 from trainer.analysis.debrief.trajectory import Rows, Trajectory, lacks
-from trainer.config.measures import ITS_OWN, MEASURES, TIMELESS, WINDOW
-from trainer.config.score_rules import Rule
+from trainer.config.score_rules import ITS_OWN, MEASURES, TIMELESS, WINDOW, Rule
 
 TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {
     "overshoot": measures.overshoot,

@@ -9,8 +9,7 @@ from markupsafe import Markup
 from trainer.analysis.debrief.changes import OUTCOME, WIDTH, Change
 from trainer.analysis.debrief.charts import WRONG, chart_of
 from trainer.analysis.debrief.data import Answered, Compared, DebriefData, deviation_of
-from trainer.analysis.debrief.encounters import meet
-from trainer.analysis.debrief.episodes import SCHEDULE, ReadBack
+from trainer.analysis.debrief.episodes import SCHEDULE, ReadBack, meet
 from trainer.analysis.debrief.reference import behind
 from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict
 from trainer.analysis.report.html import paragraph, table

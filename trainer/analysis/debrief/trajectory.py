@@ -18,8 +18,7 @@ from trainer.boat.world.scope import Mast, periscope_of
 from trainer.config.condition import ANGLE, DERIVED, QUANTITIES, Condition
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
-from trainer.config.measures import COURSE, ORDERED
-from trainer.config.score_rules import Measured, Rule
+from trainer.config.score_rules import COURSE, ORDERED, Measured, Rule
 from trainer.core.bottom import PLACES as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import DECK_REACH

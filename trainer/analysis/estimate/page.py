@@ -1,21 +1,213 @@
-"""An estimated boat told: as text for the terminal, and as one HTML page."""
+"""An estimated boat as text for the terminal, and as one drawn page."""
 
+import math
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Final
 
+import numpy as np
 from markupsafe import Markup
 
 from trainer import __version__
 from trainer.analysis.estimate.boat_file import Written
-from trainer.analysis.estimate.drawing import draw_bands, draw_hull, draw_influences
+from trainer.analysis.estimate.coefficients import Hull
+from trainer.analysis.estimate.geometry import Panel
 from trainer.analysis.estimate.survey import Band, Influence, Survey
 from trainer.analysis.estimate.uncertainty import rests
 from trainer.analysis.report.html import embed, page, paragraph, section, table
+from trainer.analysis.report.svg import Axis, rect, rule, step_of, svg, text, ticks
 from trainer.analysis.report.text import figure, plain, wrap
 from trainer.analysis.report.text import table as text_table
 from trainer.config.files import as_typed
+from trainer.core.kernel import Numbers
 from trainer.core.terms import TABLE
+
+WIDTH: Final = 640.0  # [px]
+EDGE: Final = 20.0  # [px] beside the hull
+ROOM: Final = 42.0  # [px] above each view: its title, and below it a name of a surface
+AXIS: Final = 30.0  # [px] below each view
+EVERY: Final = 2  # stations a point of the outline
+BROAD: Final = 0.3  # share of a panel that a view shows: less is seen edge on, and not named
+ROW, BARS_LEFT, BARS_WIDTH, BARS_EDGE = 26.0, 150.0, 340.0, 40.0  # [px] of a bar chart
+LETTER: Final = 6.2  # [px] about as wide as one
+
+
+@dataclass(frozen=True)
+class Paper:
+    """Where metres lie on the paper; x aft from the nose, up from the axis."""
+
+    along: Axis
+    up: Axis
+
+    def point(self, x: float, z: float) -> str:
+        """Return a place as SVG has it."""
+        return f"{self.along.at(x):.1f} {self.up.at(z):.1f}"
+
+
+def draw_hull(hull: Hull) -> Markup:
+    """Return the hull from starboard and from above, to one scale, bow to the left."""
+    reach = _reach(hull)
+    scale = (WIDTH - 2.0 * EDGE) / (hull.shape.length + reach[0])
+    parts: list[str] = []
+    top = 0.0
+    for view in ("side", "top"):
+        low, high = reach[1] if view == "side" else reach[2]
+        top += ROOM
+        bottom = top + scale * (high - low)
+        end = EDGE + scale * hull.shape.length
+        paper = Paper(Axis(0.0, hull.shape.length, EDGE, end), Axis(low, high, bottom, top))
+        title = "From starboard" if view == "side" else "From above, starboard upwards"
+        parts += [text("title", EDGE, top - 24.0, f"{title} [m]"), *_view(hull, view, paper)]
+        parts += _scale(paper, bottom)
+        top = bottom + AXIS
+    return svg(f"{hull.file.name} from the side and from above", (WIDTH, top), parts)
+
+
+def _reach(hull: Hull) -> tuple[float, tuple[float, float], tuple[float, float]]:
+    """Return how far surfaces go beyond the stern, and the extent of side and top [m]."""
+    s = hull.shape
+    corners = np.array([corner for panel in hull.panels for corner in corners_of(panel)])
+    aft = max(0.0, float(corners[:, 0].max()) - s.length)
+    high = max(float((s.centre + s.height / 2.0).max()), float(corners[:, 1].max()))
+    low = min(float((s.centre - s.height / 2.0).min()), float(corners[:, 1].min()))
+    wide = max(float(s.breadth.max()) / 2.0, float(np.abs(corners[:, 2]).max()))
+    return aft, (low, high), (-wide, wide)
+
+
+def corners_of(panel: Panel) -> list[tuple[float, float, float]]:
+    """Return the four corners of a panel [m]: aft, up, to starboard."""
+    found = []
+    ends = ((0, panel.root, 0.0), (1, panel.tip, 0.0), (1, panel.tip, 1.0), (0, panel.root, 1.0))
+    for k, radius, share in ends:
+        x = panel.leading[k] + share * panel.chords[k]
+        up = panel.axis_up + radius * math.sin(panel.angle)
+        found.append((x, up, radius * math.cos(panel.angle)))
+    return found
+
+
+def _view(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
+    """Yield outline, axis, surfaces and centres of one view."""
+    s = hull.shape
+    half, middle = (
+        (s.height / 2.0, s.centre) if view == "side" else (s.breadth / 2.0, 0.0 * s.centre)
+    )
+    yield _outline(s.x, middle + half, middle - half, paper)
+    yield rule("mark", paper.along.begin, paper.up.at(0.0), paper.along.end, paper.up.at(0.0))
+    named: set[str] = set()
+    for panel in hull.panels:
+        k = 1 if view == "side" else 2
+        corners = [(corner[0], corner[k]) for corner in corners_of(panel)]
+        points = "L".join(paper.point(*corner) for corner in corners)
+        moves = "" if panel.control == "none" else " moves"
+        yield f'<path class="panel{moves}" d="M{points}Z"/>'
+        if panel.name not in named and abs(panel.normal[k - 1]) > BROAD:
+            named.add(panel.name)
+            yield _name(panel.name, corners, paper)
+    yield from _centres(hull, view, paper)
+
+
+def _outline(x: Numbers, above: Numbers, below: Numbers, paper: Paper) -> str:
+    """Return the outline of the hull."""
+    places = [*range(0, len(x), EVERY), len(x) - 1]
+    over = [paper.point(x[i], above[i]) for i in places]
+    under = [paper.point(x[i], below[i]) for i in reversed(places)]
+    return f'<path class="hull" d="M{"L".join([*over, *under])}Z"/>'
+
+
+def _name(name: str, corners: list[tuple[float, float]], paper: Paper) -> str:
+    """Return the name of a surface above its outline, or before it where the edge is near."""
+    x = sum(corner[0] for corner in corners) / 4.0
+    z = max(corner[1] for corner in corners)
+    at = paper.along.at(x)
+    room = LETTER * len(name) / 2.0
+    style = "name end" if at + room > WIDTH else "name middle"
+    return text(style, min(at, WIDTH - 2.0) if "end" in style else at, paper.up.at(z) - 4.0, name)
+
+
+def _centres(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
+    """Yield the centres of gravity and of volume, and the propeller."""
+    s = hull.shape
+    below = hull.file.mass.cg_below_axis if view == "side" else 0.0
+    for words, x, z, style in (("G", s.x_G, -below, "centre"), ("V", s.centroid, 0.0, "volume")):
+        at = paper.along.at(x), paper.up.at(z)
+        yield f'<circle class="{style}" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="4"/>'
+        side = 8.0 if (words == "G") == (s.x_G >= s.centroid) else -16.0
+        yield text("name", at[0] + side, at[1] - 6.0, words)
+    propeller = hull.file.propeller
+    if propeller is not None:
+        half = propeller.diameter / 2.0
+        x = paper.along.at(s.length)
+        yield rule("propeller", x, paper.up.at(half), x, paper.up.at(-half))
+
+
+def _scale(paper: Paper, bottom: float) -> Iterator[str]:
+    """Yield the axis in metres aft of the nose."""
+    y = bottom + 8.0
+    yield rule("axis", paper.along.begin, y, paper.along.end, y)
+    for x in ticks(0.0, paper.along.high, step_of(paper.along.high, 10)):
+        yield rule("axis", paper.along.at(x), y, paper.along.at(x), y + 4.0)
+        yield text("tick middle", paper.along.at(x), y + 16.0, f"{x + 0.0:g}")
+
+
+def draw_bands(bands: tuple[Band, ...]) -> Markup:
+    """Return the bands of figures of one unit as bars, the estimate marked."""
+    there = [band for band in bands if band.value is not None and None not in band.bands.values()]
+    if not there:
+        return Markup()
+    ends = [x for band in there for pair in band.bands.values() if pair for x in pair]
+    values = [band.value for band in there if band.value is not None]
+    low, high = min(*ends, *values, 0.0), max(*ends, *values)
+    across = Axis(low, high, BARS_LEFT, BARS_LEFT + BARS_WIDTH)
+    parts: list[str] = []
+    for i, band in enumerate(there):
+        y = 8.0 + ROW * i
+        parts.append(text("tick end", BARS_LEFT - 8.0, y + 12.0, band.name))
+        for style, pair in zip(("core", "outer"), band.bands.values(), strict=True):
+            if pair:
+                room = 3.0 if style == "core" else 6.0
+                x = across.at(pair[0])
+                parts.append(
+                    rect(style, x, y + room - 3.0, across.at(pair[1]) - x, 20.0 - 2.0 * room)
+                )
+        x = across.at(band.value or 0.0)
+        parts.append(rule("estimate", x, y - 3.0, x, y + 17.0))
+    bottom = 8.0 + ROW * len(there)
+    parts += _bar_axis(across, bottom, there[0].unit)
+    return svg("Bands of the figures", (BARS_LEFT + BARS_WIDTH + BARS_EDGE, bottom + 24.0), parts)
+
+
+def _bar_axis(across: Axis, bottom: float, unit: str) -> Iterator[str]:
+    """Yield the axis of a bar chart."""
+    yield rule("axis", across.begin, bottom, across.end, bottom)
+    for value in ticks(across.low, across.high, step_of(across.high - across.low, 6)):
+        x = across.at(value)
+        yield rule("axis", x, bottom, x, bottom + 4.0)
+        yield text("tick middle", x, bottom + 16.0, f"{value + 0.0:g}")
+    if unit != "-":
+        yield text("tick", across.end + 8.0, bottom + 16.0, unit)
+
+
+def draw_influences(found: tuple[Influence, ...]) -> Markup:
+    """Return the effects of inputs on the turn as bars, lower input and higher."""
+    if not found:
+        return Markup()
+    most = 100.0 * max(one.size for one in found) or 1.0
+    left = BARS_LEFT + 20.0
+    across = Axis(-most, most, left, left + BARS_WIDTH - 20.0)
+    parts: list[str] = []
+    for i, one in enumerate(found):
+        y = 8.0 + ROW * i
+        parts.append(text("tick end", left - 8.0, y + 12.0, one.key))
+        for style, effect, at in (("lower", one.down, y), ("higher", one.up, y + 8.0)):
+            ends = sorted((across.at(0.0), across.at(100.0 * (effect or 0.0))))
+            parts.append(rect(style, ends[0], at, ends[1] - ends[0], 8.0))
+    bottom = 8.0 + ROW * len(found)
+    parts.append(rule("axis", across.at(0.0), 4.0, across.at(0.0), bottom))
+    parts += _bar_axis(across, bottom, "%")
+    return svg(
+        "What moves the turn most", (BARS_LEFT + BARS_WIDTH + BARS_EDGE, bottom + 24.0), parts
+    )
+
 
 HEADS: Final = ("", "estimate", "68 %", "95 %")
 NOTE: Final = (

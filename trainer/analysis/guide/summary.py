@@ -1,7 +1,6 @@
 """The guide on a terminal: 79 columns of ASCII."""
 
-from trainer.analysis.guide.baseline import Moved
-from trainer.analysis.guide.contents import REDUCED, Guide, Sheet, tally
+from trainer.analysis.guide.contents import REDUCED, Guide, Moved, Sheet, tally
 from trainer.analysis.guide.verdicts import BEYOND, WITHIN
 from trainer.analysis.report.text import INDENT, cut, plain, table, wrap
 

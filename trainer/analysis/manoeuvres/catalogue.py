@@ -14,8 +14,7 @@ from trainer.analysis.manoeuvres.speeds import (
     CrashStop,
     UtmostAcceleration,
 )
-from trainer.analysis.manoeuvres.spiral import PullOut, ReverseSpiral, Spiral
-from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
+from trainer.analysis.manoeuvres.turns import ClimbingTurn, PullOut, ReverseSpiral, Spiral, Turn
 from trainer.analysis.manoeuvres.vehicle import Vehicle, limit
 from trainer.analysis.manoeuvres.vertical import (
     Impulse,

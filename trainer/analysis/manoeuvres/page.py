@@ -17,8 +17,8 @@ from trainer.analysis.manoeuvres.catalogue import (
     parameters,
 )
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly
-from trainer.analysis.manoeuvres.spiral import WAYS
 from trainer.analysis.manoeuvres.submarine import CALM, DEEP, Rig, Submarine
+from trainer.analysis.manoeuvres.turns import WAYS
 from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import INDENT, figure, table, wrap

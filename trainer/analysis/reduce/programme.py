@@ -1,21 +1,33 @@
 """The programme of a reduction: legs to fit to, to try, to judge by."""
 
-from collections.abc import Iterator
-from dataclasses import replace
-from typing import Final
+import math
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import ClassVar, Final
 
 import numpy as np
 
 from trainer.analysis.check import round_speeds
 from trainer.analysis.guide.programme import Leg, own_method, ways
 from trainer.analysis.guide.programme import legs as guide_legs
-from trainer.analysis.manoeuvres.casualties import OutOfBalance, PlaneJam, RudderJam
+from trainer.analysis.manoeuvres.casualties import UPRIGHT, OutOfBalance, PlaneJam, RudderJam
 from trainer.analysis.manoeuvres.catalogue import within_limits
-from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
+from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.speeds import Backing, CrashStop
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
-from trainer.analysis.manoeuvres.vehicle import DIVE, PORT, STARBOARD, Side
+from trainer.analysis.manoeuvres.vehicle import (
+    DIVE,
+    PORT,
+    RISE,
+    SIGNS,
+    STARBOARD,
+    Direction,
+    Measure,
+    Side,
+    part,
+)
 from trainer.analysis.manoeuvres.vertical import (
     Impulse,
     Meander,
@@ -25,10 +37,104 @@ from trainer.analysis.manoeuvres.vertical import (
     TrimChange,
 )
 from trainer.analysis.manoeuvres.zigzag import ZigZag
-from trainer.analysis.reduce.weaves import VerticalWeave, Weave
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.units import KNOT
+
+# Weaves that only the reduction flies: a control from side to side by the clock.
+
+
+LEAD: Final = 2.0  # [s] of straight flight
+LEGS: Final = (3.0, 6.0, 6.0)  # [lengths run] to one side, the other, and the first again
+READINGS: Final = (1 / 3, 2 / 3, 1.0)  # of a leg
+LEVEL: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "u": "m/s", "phi": "rad"}
+
+
+@dataclass(frozen=True)
+class _Weave(Manoeuvre):
+    """One control from side to side by the clock, whatever the boat does."""
+
+    keep: ClassVar[tuple[str, ...]] = ()
+    watched: ClassVar[Mapping[str, str]]  # columns and their units
+    swinging: ClassVar[str]
+
+    angle_deg: float = 15.0  # control
+
+    @property
+    @abstractmethod
+    def sign(self) -> float:
+        """Return the sign of the first order."""
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the legs."""
+        for quantity in self.keep:
+            conn.vehicle.keep(quantity)
+        yield from conn.hold(LEAD)
+        length, speed, sign = conn.vehicle.length, conn.value("u"), self.sign
+        for run in LEGS:
+            conn.order(self.needs[0], sign * math.radians(self.angle_deg))
+            conn.mark("leg")
+            yield from conn.hold(run * length / speed)
+            sign = -sign
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return readings along the legs, and the extremes of what swings."""
+        begins = [mark.t for mark in flight.marks]
+        ends = [*begins[1:], float(flight.t[-1])]
+        times = {
+            f"{reading:.2g} of leg {i}": begin + reading * (end - begin)
+            for i, (begin, end) in enumerate(zip(begins, ends, strict=True), start=1)
+            for reading in READINGS
+        }
+        found = []
+        for name, unit in self.watched.items():
+            most = float(abs(flight.change(name)).max())
+            for told, time in times.items():
+                found.append(part(f"{name} after {told}", unit, flight.at(time, name), most))
+        swing = flight.change(self.swinging)
+        most = float(abs(swing).max())
+        found.append(part(f"largest {self.swinging}", "rad", float(swing.max()), most))
+        found.append(part(f"smallest {self.swinging}", "rad", float(swing.min()), most))
+        return found
+
+
+@dataclass(frozen=True)
+class Weave(_Weave):
+    """Rudder from side to side; depth kept."""
+
+    needs: ClassVar[tuple[str, ...]] = ("rudder",)
+    keep: ClassVar[tuple[str, ...]] = ("depth",)
+    watched: ClassVar[Mapping[str, str]] = LEVEL
+    swinging: ClassVar[str] = "psi"
+
+    side: Side = STARBOARD
+
+    @property
+    def sign(self) -> float:
+        """Return the sign of the first order: positive to starboard."""
+        return SIGNS[self.side]
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return readings and extremes, counted to the side."""
+        return super().measures(flight.counted_to(self.side))
+
+
+@dataclass(frozen=True)
+class VerticalWeave(_Weave):
+    """Planes from side to side."""
+
+    needs: ClassVar[tuple[str, ...]] = ("planes",)
+    watched: ClassVar[Mapping[str, str]] = UPRIGHT
+    swinging: ClassVar[str] = "theta"
+
+    angle_deg: float = 5.0  # control
+    direction: Direction = RISE
+
+    @property
+    def sign(self) -> float:
+        """Return the sign of the first order: positive to rise."""
+        return SIGNS[self.direction]
+
 
 TURN_LENGTHS: Final = 120.0  # [lengths run] of a turn, until it is steady
 LENGTHS: Final = 40.0  # of all else

@@ -1,30 +1,114 @@
 """A boat's compact set, from a search or from its file, and its worth."""
 
+import contextlib
+import hashlib
+import json
+import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.guide.dropped_terms import Drop
+from trainer import __version__
 from trainer.analysis.guide.programme import Leg
-from trainer.analysis.reduce import checkpoint
-from trainer.analysis.reduce.gauss_newton import Point, Slopes, descend
+from trainer.analysis.guide.verdicts import Drop
 from trainer.analysis.reduce.objective import (
     ADDED_MASSES,
     CONTROLS,
     FIXED,
     Candidate,
+    Crew,
     Yardstick,
     terms,
 )
 from trainer.analysis.reduce.programme import fastest, fit_legs
-from trainer.analysis.reduce.search import LEASH, LIMIT, STEPS, Aim, Need, Search, Standing
+from trainer.analysis.reduce.search import (
+    LEASH,
+    LIMIT,
+    STEPS,
+    Aim,
+    Need,
+    Point,
+    Search,
+    Slopes,
+    Standing,
+    descend,
+)
 from trainer.analysis.reduce.verdict import Checked, Cost, coefficients, cost, passes, verdict
-from trainer.analysis.reduce.workers import Crew
+from trainer.config.files import ConfigError, no_constant
 from trainer.config.vessel import VesselFile
+from trainer.core.cache import core_digest
 from trainer.core.terms import KEPT
+
+ENDING: Final = ".partial.json"
+
+
+def checkpoint_of(result: Path) -> Path:
+    """Return where the search for that result is kept."""
+    return result.with_name(result.name + ENDING)
+
+
+def fingerprint(file: VesselFile) -> str:
+    """Return what tells one search from another: the boat and the program."""
+    text = f"{__version__}\n{core_digest()}\n{file.text}"
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def save_standings(path: Path, file: VesselFile, standings: Mapping[str, Standing]) -> None:
+    """Write the standings by equation set, whole or not at all. ConfigError if that cannot be."""
+    found = {"of": fingerprint(file), **{name: asdict(one) for name, one in standings.items()}}
+    beside = path.with_name(path.name + ".new")
+    try:
+        beside.write_text(json.dumps(found), encoding="utf-8")
+        os.replace(beside, path)  # noqa: PTH105 (atomic)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def load_standings(path: Path, file: VesselFile) -> dict[str, Standing]:
+    """Return the standings kept, none if there are none of this boat by this program."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"), parse_constant=no_constant)
+        if found.pop("of") != fingerprint(file):
+            return {}
+        return {name: _standing(one) for name, one in found.items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return {}
+
+
+class Log:
+    """How far the searches for one boat have come, by name. In a file, if there is one."""
+
+    def __init__(self, file: VesselFile, path: Path | None) -> None:
+        """Read what the file at ``path`` has of this boat."""
+        self._file, self._path = file, path
+        self._standings = load_standings(path, file) if path else {}
+
+    def standing(self, name: str) -> Standing | None:
+        """Return how far a search has come; None: it has not begun."""
+        return self._standings.get(name)
+
+    def enter(self, name: str, standing: Standing) -> None:
+        """Keep how far a search has come; ConfigError if the file cannot be written."""
+        self._standings[name] = standing
+        if self._path:
+            save_standings(self._path, self._file, self._standings)
+
+
+def _standing(found: Mapping[str, Any]) -> Standing:
+    """Return a standing as it was saved."""
+    needed = tuple(Need(**need) for need in found["needed"])
+    lists = {key: tuple(found[key]) for key in ("factors", "kept")}
+    return Standing(**{**found, **lists, "needed": needed})
+
+
+def discard_checkpoint(path: Path) -> None:
+    """Take the file away, if it is there."""
+    with contextlib.suppress(OSError):
+        path.unlink()
+
 
 DIGITS: Final = 4  # of a factor in the file
 ASTRAY: Final = 1.5  # [-] of what is allowed, at the top speed: a second search flies there, with a
@@ -129,7 +213,7 @@ def search(
     there too, on a firmer leash if that will do, each direction's own added mass kept. ``step`` is
     called with the number of terms decided, of up to SEARCHES times those that there are.
     """
-    log, fast = checkpoint.Log(file, partial), fastest(file)
+    log, fast = Log(file, partial), fastest(file)
     aim = Aim(fit_legs(file), LEASH, CONTROLS, quick)
     standing, modified = _run_search(file, aim, cores, log, step)
     if furthest(file, fast, modified) > ASTRAY:
@@ -140,7 +224,7 @@ def search(
 
 
 def _run_search(
-    file: VesselFile, aim: Aim, cores: int, log: checkpoint.Log, step: Callable[[int], None]
+    file: VesselFile, aim: Aim, cores: int, log: Log, step: Callable[[int], None]
 ) -> tuple[Standing, dict[str, float]]:
     """Return how a search ends, and its factors by term."""
     name = f"{len(aim.legs)} flights{', quick' * aim.quick}"

@@ -8,10 +8,9 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.guide import verdicts
-from trainer.analysis.guide.dropped_terms import Drop, Look, effects, tasks_without
 from trainer.analysis.guide.programme import Leg, fly_all
 from trainer.analysis.guide.programme import legs as guide_legs
-from trainer.analysis.guide.verdicts import BEYOND
+from trainer.analysis.guide.verdicts import BEYOND, Drop, Look, effects, tasks_without
 from trainer.analysis.manoeuvres.vehicle import PERCENT
 from trainer.analysis.reduce.objective import Candidate, Yardstick, multiple
 from trainer.analysis.reduce.programme import flyable, holdout_legs, turns

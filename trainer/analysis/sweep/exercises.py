@@ -11,8 +11,7 @@ import numpy as np
 
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.series import Series
-from trainer.analysis.sweep.batch import Batch, fly_each
-from trainer.analysis.sweep.outputs import Output, asked_of, read_off
+from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
 from trainer.analysis.sweep.study import Study, method_of
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat

@@ -5,15 +5,16 @@ Each is the boat that ``Submarine`` would be, to the bit; a test holds it.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trainer.analysis.fleet.ensemble import Fleet, Schedule, orders
+from trainer.analysis.manoeuvres.flight import LONGEST, Conn, Manoeuvre, Mark
 from trainer.analysis.manoeuvres.submarine import DEEP, SURFACES
-from trainer.analysis.sweep.script import Script
-from trainer.analysis.sweep.start import Start, start_fleet
+from trainer.analysis.manoeuvres.vehicle import Control
 from trainer.boat.assemble import (
     Method,
     body,
@@ -26,11 +27,134 @@ from trainer.boat.boat import PLACES, Boat
 from trainer.boat.envelope import write_envelope
 from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import VesselFile
-from trainer.core.kernel import Numbers, Record
+from trainer.core.autopilot.autopilot import autopilot
+from trainer.core.kernel import Numbers, Record, kernel
 from trainer.core.scheme import equations_alone
+from trainer.core.sea.sea import order_sea
+from trainer.core.start import level_flight, set_out
 from trainer.core.state import STATE, new_scratch
 from trainer.core.terms import POWERS
 from trainer.core.vessel import COMPACT, VESSEL, compact_record, vessel_record
+
+
+class Line(NamedTuple):
+    """One thing done, before the tick of that number."""
+
+    tick: int
+    verb: str  # "order" or "keep"
+    what: str  # control or quantity
+    value: float  # SI, of a surface from its neutral angle
+
+
+class Script(NamedTuple):
+    """All that is done in a manoeuvre, and how long it takes."""
+
+    lines: tuple[Line, ...]
+    marks: tuple[Mark, ...]
+    ticks: int
+
+
+class Scribe:
+    """A vehicle that goes nowhere and writes down what it is told."""
+
+    name = "scribe"
+    length = 1.0
+    columns = ("t",)
+
+    def __init__(self, step: float, controls: Mapping[str, Control]) -> None:
+        """Begin at the first tick."""
+        self.step = step
+        self.controls = controls
+        self.tick = 0
+        self.lines: list[Line] = []
+
+    def start(self, speed: float) -> None:
+        """Begin anew."""
+        del speed
+        self.tick = 0
+
+    def incline(self, heel: float) -> None:
+        """Raise KeyError: heel [rad] is no order, and not written down."""
+        raise KeyError(heel)
+
+    def order(self, control: str, value: float) -> None:
+        """Write down an order."""
+        self.lines.append(Line(self.tick, "order", control, value))
+
+    def keep(self, quantity: str) -> None:
+        """Write down what is to be kept."""
+        self.lines.append(Line(self.tick, "keep", quantity, 0.0))
+
+    def observe(self) -> tuple[float, ...]:
+        """Return the time [s]."""
+        return (self.tick * self.step,)
+
+    def advance(self) -> None:
+        """Advance by a cycle."""
+        self.tick += 1
+
+
+def script_of(manoeuvre: Manoeuvre, step: float, controls: Mapping[str, Control]) -> Script | None:
+    """Return what is done when; None where that depends on how the vehicle moves."""
+    return _write(manoeuvre, step, tuple(controls.items()))
+
+
+@lru_cache(maxsize=4096)
+def _write(
+    manoeuvre: Manoeuvre, step: float, controls: tuple[tuple[str, Control], ...]
+) -> Script | None:
+    scribe = Scribe(step, dict(controls))
+    conn: Any = Conn(scribe)
+    try:
+        for _ in manoeuvre.schedule(conn):
+            scribe.advance()
+            conn.look()
+            if scribe.tick > LONGEST:
+                return None
+    except KeyError:  # it asks for what the scribe has not
+        return None
+    if any(line.verb == "keep" and (line.tick or line.what != "depth") for line in scribe.lines):
+        return None  # what is kept is as it is then, which is known at the start alone
+    return Script(tuple(scribe.lines), tuple(conn.marks), scribe.tick)
+
+
+class Start(NamedTuple):
+    """How all boats of a fleet start."""
+
+    speed: Numbers  # [member] [m/s]
+    depth: float  # [m]
+    law: float  # of depth keeping
+    calm: Numbers  # [member, ...] what ``order_sea`` takes
+
+
+@kernel
+def start_fleet(fleet: Fleet, exact: Record, how: Start, scratch: Record, fit: Numbers) -> None:
+    """Start every boat of a fleet at depth in a calm.
+
+    ``fit`` becomes 1 where a boat flies straight, else 0.
+    """
+    scheme = fleet.scheme
+    for member in range(fleet.states.size):
+        own = min(member, fleet.compacts.size - 1)  # one may serve them all
+        vessel, compact = fleet.vessels[member : member + 1], fleet.compacts[own : own + 1]
+        state = fleet.states[member : member + 1]
+        c, s = vessel[0], state[0]
+        for i in range(s.whole.size):
+            s.whole[i] = 0.0
+        s.weight, s.x_g, s.y_g, s.z_g = c.weight, c.x_g, c.y_g, c.z_g
+        fit[member] = level_flight(vessel, compact, exact, state, scratch, how.speed[member])
+        if fit[member] == 0.0:
+            continue
+        s.z, s.seed = how.depth, 1.0
+        set_out(vessel, compact, scheme, state, scratch)
+        autopilot(vessel, scheme[0].h, state, scratch[0].gains)
+        s.telegraph_order = s.u_c
+        calm = how.calm[min(member, how.calm.shape[0] - 1)]
+        for i in range(1, s.sea.size):
+            s.sea[i] = calm[i]
+        order_sea(vessel, scheme[0].h, 0.0, calm, scratch, state)
+        s.depth_law = how.law
+
 
 SENSES: Final = {"rudder": ("N_dr", 1.0), "stern": ("M_ds", 1.0), "bow": ("Z_db", -1.0)}
 KEPT: Final = (("stern", "s"), ("bow", "b"))  # what keeps depth

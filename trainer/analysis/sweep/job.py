@@ -1,17 +1,181 @@
-"""The job for whoever flies members: the study, and every file it reads."""
+"""The job for whoever flies members: a study with its batches, outputs and files."""
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, Final, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from trainer import __version__
-from trainer.analysis.sweep.batch import Batch, Subject
+from trainer.analysis.manoeuvres.flight import Flight
+from trainer.analysis.manoeuvres.vehicle import Measure, largest
+from trainer.analysis.sweep.draws import Draws
 from trainer.analysis.sweep.study import Study, load_study, with_members
-from trainer.config.files import ABANDONED, ConfigError, reading_recorded, remembering
+from trainer.config.files import (
+    ABANDONED,
+    ConfigError,
+    nearest,
+    quote,
+    reading_recorded,
+    remembering,
+)
 from trainer.core.cache import core_digest, same_core
+from trainer.core.kernel import Numbers
+
+# columns of a study of identifications, by the parameter's name
+DEVIATION: Final = "std dev of {}"
+COVERED: Final = "{} covered"
+
+
+class Output(NamedTuple):
+    """One number kept of each member, SI and radians."""
+
+    name: str
+    unit: str
+
+
+WAYS: Final[Mapping[str, Callable[[Numbers], float]]] = {
+    "first": lambda values: float(values[0]),
+    "last": lambda values: float(values[-1]),
+    "lowest": lambda values: float(values.min()),
+    "highest": lambda values: float(values.max()),
+    "largest": largest,
+}
+UNITS: Final = {
+    "t": "s",
+    **dict.fromkeys(("u", "v", "w", "u_c"), "m/s"),
+    **dict.fromkeys(("p", "q", "r"), "rad/s"),
+    **dict.fromkeys(("x", "y", "z", "x_g", "z_g", "eta_wave"), "m"),
+    **dict.fromkeys(("phi", "theta", "psi", "delta_r", "delta_s", "delta_b"), "rad"),
+    "weight": "N",
+}
+
+
+def of_column(name: str, flight: Flight) -> Measure | None:
+    """Return a measure such as "largest phi" or "last z"; None if that is none."""
+    way, _, column = name.partition(" ")
+    if way not in WAYS or not flight.has(column):
+        return None
+    return Measure(name, UNITS.get(column, "-"), WAYS[way](flight.column(column)))
+
+
+def asked_of(study: "Study", flight: Flight, measures: Sequence[Measure]) -> tuple[Output, ...]:
+    """Return what a study keeps of each member. ConfigError if it asks for what is not."""
+    try:
+        return choose_outputs(study.heading.measures, flight, measures)
+    except ConfigError as wrong:
+        raise ConfigError(f"{study.path.name}: {wrong}") from None
+
+
+def choose_outputs(
+    names: Sequence[str] | None, flight: Flight, measures: Sequence[Measure]
+) -> tuple[Output, ...]:
+    """Return what is kept: what ``names`` ask for, or all; ConfigError if one is nothing."""
+    known = {one.name: one for one in measures}
+    if names is None:
+        if not known:
+            ways = ", ".join(WAYS)
+            raise ConfigError(f"lacks measures: such as 'last z', by {ways} and a column")
+        return tuple(Output(one.name, one.unit) for one in known.values())
+    found = []
+    for name in names:
+        one = known.get(name) or of_column(name, flight)
+        if one is None:
+            columns = ", ".join(flight.series.columns)
+            has = f"; there are {', '.join(known)}" if known else ""
+            raise ConfigError(
+                f"no measure {quote(name)}{nearest(name, known)}{has}; and "
+                f"{', '.join(WAYS)} of {columns}"
+            )
+        found.append(Output(one.name, one.unit))
+    return tuple(found)
+
+
+def read_off(outputs: Sequence[Output], flight: Flight, measures: Sequence[Measure]) -> list[float]:
+    """Return the numbers kept of a flight, NaN for what it never came to."""
+    known = {one.name: one for one in measures}
+    found = []
+    for output in outputs:
+        one = known.get(output.name) or of_column(output.name, flight)
+        value = None if one is None else one.value
+        found.append(math.nan if value is None or not np.isfinite(value) else float(value))
+    return found
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Members in their order."""
+
+    members: NDArray[np.int64]
+    seeds: NDArray[np.int64]
+    drawn: dict[str, NDArray[Any]]  # by variable: numbers or words
+    outputs: Numbers  # [member, output]; NaN: never came to that
+    troubles: tuple[str | None, ...]  # why there is nothing of a member
+
+    def told(self, place: int, names: Sequence[str]) -> dict[str, Any]:
+        """Return all about one member by the result's columns. None for what it never came to."""
+        numbers = [None if np.isnan(x) else float(x) for x in self.outputs[place]]
+        return {
+            "member": int(self.members[place]),
+            "seed": int(self.seeds[place]),
+            **member(self.drawn, place),
+            **dict(zip(names, numbers, strict=True)),
+            "trouble": self.troubles[place],
+        }
+
+
+class Subject(Protocol):
+    """The common part of every member of a study."""
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """Return what is kept of each member."""
+        ...
+
+    @property
+    def chunk(self) -> int:
+        """Return how many members are flown, and kept, at once."""
+        ...
+
+    def batch(self, first: int, count: int) -> Batch:
+        """Return what becomes of ``count`` members from ``first`` on."""
+        ...
+
+
+def member(drawn: Mapping[str, NDArray[Any]], place: int) -> dict[str, Any]:
+    """Return numbers and words of one member as Python's own."""
+    return {
+        name: values[place] if isinstance(values[place], str) else float(values[place])
+        for name, values in drawn.items()
+    }
+
+
+def fly_each(
+    draws: Draws,
+    first: int,
+    count: int,
+    width: int,
+    fly: Callable[[dict[str, Any], int], Sequence[float]],
+) -> Batch:
+    """Return members flown one by one.
+
+    ``fly`` takes a member's numbers and seed, and returns ``width`` numbers; its ConfigError says
+    why there are none.
+    """
+    drawn, seeds = draws.drawn(first, count), draws.seeds(first, count)
+    outputs = np.full((count, width), np.nan)
+    troubles: list[str | None] = [None] * count
+    for i in range(count):
+        try:
+            outputs[i] = fly(member(drawn, i), int(seeds[i]))
+        except ConfigError as wrong:
+            troubles[i] = wrong.problems[0]
+    return Batch(np.arange(first, first + count), seeds, drawn, outputs, tuple(troubles))
 
 
 @dataclass(frozen=True)

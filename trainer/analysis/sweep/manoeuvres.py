@@ -14,10 +14,9 @@ from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.submarine import COLUMNS, LAWS, STEEPEST, Rig, Submarine
 from trainer.analysis.series import Series
 from trainer.analysis.sweep import fleets
-from trainer.analysis.sweep.batch import Batch, member
-from trainer.analysis.sweep.outputs import Output, asked_of, read_off
+from trainer.analysis.sweep.fleets import Script, script_of
+from trainer.analysis.sweep.job import Batch, Output, asked_of, member, read_off
 from trainer.analysis.sweep.records import ManoeuvreTable
-from trainer.analysis.sweep.script import Script, script_of
 from trainer.analysis.sweep.study import Study, method_of
 from trainer.boat.assemble import Method
 from trainer.config.coefficients import COEFFICIENT, FACTOR

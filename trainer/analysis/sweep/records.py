@@ -5,10 +5,9 @@ from typing import Any, Final
 
 from trainer.analysis.manoeuvres.flight import CHOICES
 from trainer.config.files import ConfigError, Place
-from trainer.config.identification import CHANNELS, MODELS
-from trainer.config.method import EQUATIONS, TRIGONOMETRY
 from trainer.config.schema import (
     Choice,
+    Flag,
     Quantity,
     Rows,
     Text,
@@ -19,6 +18,7 @@ from trainer.config.schema import (
     tables_of,
     within,
 )
+from trainer.config.words import CHANNELS, EQUATIONS, MODELS, TRIGONOMETRY
 
 MOST_MEMBERS: Final = 10_000_000
 MOST_VALUES: Final = 10_000
@@ -86,29 +86,6 @@ class Values:
         if len(set(found)) < len(found):
             raise ConfigError(place.wrong(key, value, "must not give one twice"))
         return found
-
-
-@dataclass(frozen=True)
-class YesNo:
-    """True or false."""
-
-    meaning: str
-
-    @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "true or false", "", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return {"type": "boolean"}
-
-    def read(self, key: str, value: object, place: Place) -> bool:
-        """Return the value; ConfigError if it is neither."""
-        if not isinstance(value, bool):
-            raise ConfigError(place.wrong(key, value, "must be true or false"))
-        return value
 
 
 @dataclass(frozen=True)
@@ -189,7 +166,7 @@ class ManoeuvreTable:
     ahead_s: float | None = optional(
         Quantity("s", within(1, 1e5), "of an utmost acceleration; else half its time")
     )
-    depth_kept: bool | None = optional(YesNo("whether a turn keeps its depth; else it does"))
+    depth_kept: bool | None = optional(Flag("whether a turn keeps its depth; else it does"))
     controls: str | None = optional(Choice(("own", "once"), "rates and lags, or none; else own"))
     trim: str | None = optional(Choice(("own", "full"), "equations of the start; else own"))
     law: str | None = optional(
@@ -225,7 +202,7 @@ class Parameter:
     start: float | None = optional(
         Quantity("model's", within(-BIG, BIG), "where the search begins; else at the truth")
     )
-    free: bool | None = optional(YesNo("whether it is searched for; else it is"))
+    free: bool | None = optional(Flag("whether it is searched for; else it is"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -259,7 +236,7 @@ class Vary:
     mean: float | None = optional(Quantity("key's", within(-BIG, BIG), "of normal"))
     std: float | None = optional(Quantity("key's", above(0, BIG), "of normal"))
     relative: bool | None = optional(
-        YesNo("true: the numbers are factors of what the files say; else they take its place")
+        Flag("true: the numbers are factors of what the files say; else they take its place")
     )
 
 

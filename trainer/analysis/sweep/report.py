@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from trainer.analysis.report.plots import Bar, Bars, Curve, Panel
 from trainer.analysis.report.text import INDENT, table, wrap
 from trainer.analysis.sweep.draws import GRID
-from trainer.analysis.sweep.job import Opened
-from trainer.analysis.sweep.outputs import COVERED, DEVIATION, Output
-from trainer.analysis.sweep.parquet import TROUBLE
+from trainer.analysis.sweep.job import COVERED, DEVIATION, Opened, Output
+from trainer.analysis.sweep.results import TROUBLE
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
 

@@ -1,5 +1,11 @@
-"""A study from its file: the common part, the differences, the outputs."""
+"""A study from its file: the common part, the differences, the outputs.
 
+A key of what is varied is a path: words with dots between, ``vessel.fluid.rho``, and places in
+lists in brackets, ``exercise.orders[2].at_s``. The vessel's coefficients stand there all of them,
+by name, and of its compensation the factors of all that the compact set keeps.
+"""
+
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
@@ -19,16 +25,8 @@ from trainer.analysis.sweep.records import (
     Sample,
     Vary,
 )
-from trainer.analysis.sweep.tables import (
-    BLANK,
-    Step,
-    Tables,
-    change_value,
-    steps_of,
-    value_at,
-    vessel_tables,
-)
 from trainer.boat.assemble import Method
+from trainer.config.coefficients import EQUATION_SETS
 from trainer.config.file_schemas import exercise_keys
 from trainer.config.files import (
     ConfigError,
@@ -43,10 +41,87 @@ from trainer.config.files import (
     quote,
     read_text,
 )
-from trainer.config.identification import SHIP
 from trainer.config.schema import described, file_schema, object_schema, read_record, record_schema
-from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.vessel import VesselFile, load_vessel, with_defaults
+from trainer.config.words import SHIP
 from trainer.core.scheme import RUNGE_KUTTAS
+from trainer.core.terms import COEFFICIENTS
+
+Tables = Mapping[str, Any]
+Step = str | int
+
+WORD: Final = re.compile(r"([A-Za-z0-9_-]+)((?:\[\d{1,4}\])*)")
+BLANK: Final = "{}"  # in a text: where the number goes
+DECIMALS: Final = 9  # of a number in a text
+
+
+def vessel_tables(file: VesselFile) -> dict[str, Any]:
+    """Return a vessel's tables with all coefficients and all factors of compensation."""
+    tables, _ = with_defaults(parse_toml(file.text, file.path.name))
+    kept = [term.key for term in COEFFICIENTS if term.kept or term.key in file.compact.extra_terms]
+    factors = {
+        name: dict.fromkeys(kept, 1.0) | dict(file.compensation[name]) for name in EQUATION_SETS
+    }
+    return {**tables, "coefficients": dict(file.coefficients), "compensation": factors}
+
+
+def steps_of(key: str) -> tuple[Step, ...]:
+    """Return the words and places of a key; ConfigError if it is none."""
+    found: list[Step] = []
+    for part in key.split("."):
+        match = WORD.fullmatch(part)
+        if match is None:
+            raise ConfigError(f"{part!r} is no word of a key")
+        found.append(match[1])
+        found += [int(place) for place in re.findall(r"\d+", match[2])]
+    return tuple(found)
+
+
+def value_at(tables: Any, steps: tuple[Step, ...]) -> Any:
+    """Return what stands there, None if nothing does; ConfigError naming the nearest table."""
+    here = tables
+    for depth, step in enumerate(steps):
+        last = depth == len(steps) - 1
+        if isinstance(here, Mapping) and isinstance(step, str):
+            if step not in here and not last:
+                raise ConfigError(f"there is no table {step!r}{nearest(step, here)}")
+            here = here.get(step)
+        elif isinstance(here, list) and isinstance(step, int) and step < len(here):
+            here = here[step]
+        else:
+            raise ConfigError(f"{step!r} has no place there: {_holds(here)}")
+    return here
+
+
+def _holds(here: Any) -> str:
+    """Return in words what can be stepped into."""
+    if isinstance(here, list):
+        return f"it is a list of {len(here)}, counted from 0"
+    if isinstance(here, Mapping):
+        return "it is a table"
+    return "it is no table and no list"
+
+
+def change_value(tables: Any, steps: tuple[Step, ...], value: Any) -> Any:
+    """Return the tables with another value there; those given stay as they are."""
+    if not steps:
+        return _fill_in(tables, value)
+    step, rest = steps[0], steps[1:]
+    if isinstance(step, int):
+        return [
+            change_value(item, rest, value) if i == step else item for i, item in enumerate(tables)
+        ]
+    return {**tables, step: change_value(tables.get(step), rest, value)}
+
+
+def _fill_in(text: Any, value: Any) -> Any:
+    """Return the value, or where a text has a blank the text with the value in it."""
+    if not isinstance(text, str) or BLANK not in text:
+        return value
+    if not isinstance(value, str):
+        value = f"{value:.{DECIMALS}f}".rstrip("0").rstrip(".")
+    return text.replace(BLANK, value)
+
 
 MANOEUVRE, EXERCISE, IDENTIFICATION = "manoeuvre", "exercise", "identification"
 KINDS: Final = (MANOEUVRE, EXERCISE, IDENTIFICATION)

@@ -1,14 +1,114 @@
-"""A study is carried out. It flies what is missing, keeps each chunk, and joins one result."""
+"""A study is carried out by this process, others, or those of a Dask cluster.
 
-from collections.abc import Callable
+What is missing is flown, each chunk is kept, and one result is joined.
+"""
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
-from trainer.analysis.sweep.job import Job, open_job
-from trainer.analysis.sweep.parquet import join_parts, schema_of, write
-from trainer.analysis.sweep.parts import folder_of, result_of, take_up
-from trainer.analysis.sweep.workers import Crew
+from trainer.analysis.sweep.job import Batch, Job, fly_chunk, open_job
+from trainer.analysis.sweep.results import (
+    folder_of,
+    join_parts,
+    result_of,
+    schema_of,
+    take_up,
+    write,
+)
+from trainer.analysis.workers import workers
+from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
+
+Chunks = Iterator[tuple[int, Batch]]
+Crew = Callable[[Job, list[int]], Chunks]
+
+PATIENCE: Final = "10s"  # for a scheduler to answer
+AGAIN: Final = "what is finished is kept: run the same command again"
+
+
+def alone(job: Job, places: list[int]) -> Chunks:
+    """Yield chunks flown here, one after the other."""
+    for place in places:
+        yield place, fly_chunk(job, place)
+
+
+def processes(count: int) -> Crew:
+    """Return a crew of ``count`` processes; a single chunk, or process, is flown here."""
+
+    def fly(job: Job, places: list[int]) -> Chunks:
+        if min(count, len(places)) < 2:
+            yield from alone(job, places)
+            return
+        pool = workers(min(count, len(places)))
+        try:
+            futures = {pool.submit(fly_chunk, job, place): place for place in places}
+            for future in as_completed(futures):
+                yield futures[future], _collect(future)
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+    return fly
+
+
+def _collect(future: Future[Batch]) -> Batch:
+    """Return what a process has flown; ConfigError if it is gone."""
+    try:
+        return future.result()
+    except BrokenProcessPool:
+        raise ConfigError(f"a process that flew members has ended; {AGAIN}") from None
+
+
+def cluster(address: str) -> Crew:
+    """Return the workers behind the Dask scheduler at ``address``."""
+
+    def fly(job: Job, places: list[int]) -> Chunks:
+        client = _client(address)
+        try:
+            sent = client.scatter(job, broadcast=True, hash=False)
+            futures = {client.submit(fly_chunk, sent, place, pure=False): place for place in places}
+            for future in _import_distributed().as_completed(list(futures), loop=client.loop):
+                yield futures[future], _answer(future)
+        finally:
+            client.close()
+
+    return fly
+
+
+def _client(address: str) -> Any:
+    """Return a connection to a scheduler with workers; ConfigError if there is none."""
+    library = _import_distributed()
+    try:
+        client = library.Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as wrong:
+        raise ConfigError(f"--scheduler {address}: no scheduler answers ({wrong})") from None
+    if not client.scheduler_info()["workers"]:
+        client.close()
+        text = f"--scheduler {address}: it has no workers; start `dask worker {address}`"
+        raise ConfigError(text)
+    return client
+
+
+def _import_distributed() -> Any:
+    """Return the library of the cluster; ConfigError saying what to install."""
+    require_library("distributed", "--scheduler")
+    import distributed  # noqa: PLC0415 - a second to import, and an extra
+
+    return distributed
+
+
+def _answer(future: Any) -> Batch:
+    """Return what a worker has flown; ConfigError if it is gone."""
+    library = _import_distributed()
+    try:
+        batch: Batch = future.result()
+    except (library.KilledWorker, library.CancelledError) as gone:
+        raise ConfigError(f"the cluster has lost a chunk ({gone}); {AGAIN}") from None
+    future.release()
+    return batch
+
 
 Progress = Callable[[int], None]  # takes how many members more are finished
 

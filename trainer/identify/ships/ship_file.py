@@ -20,7 +20,6 @@ from trainer.config.files import (
     parse_toml,
     read_text,
 )
-from trainer.config.identification import SHIP
 from trainer.config.schema import (
     Choice,
     Quantities,
@@ -40,6 +39,7 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.vessel_template import toml_value
+from trainer.config.words import SHIP
 from trainer.core.kernel import Numbers
 from trainer.identify.sources import Sensors
 

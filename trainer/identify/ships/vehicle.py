@@ -15,9 +15,8 @@ from trainer.analysis.manoeuvres.page import Report, fly_vehicle, format_measure
 from trainer.analysis.manoeuvres.page import render as render_flight
 from trainer.analysis.manoeuvres.vehicle import Control, LostError, Measure
 from trainer.analysis.report.text import table, wrap
-from trainer.analysis.sweep.batch import Batch, fly_each
+from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
 from trainer.analysis.sweep.manoeuvres import ALONE, manoeuvre_of, speed_of
-from trainer.analysis.sweep.outputs import Output, asked_of, read_off
 from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.study import Study
 from trainer.config.files import ConfigError, Place

@@ -40,7 +40,7 @@ from trainer.session.nmea.transponders import NAME as AIS
 from trainer.session.nmea.transponders import Transponders
 from trainer.session.options import RunOptions
 from trainer.session.ports import PATIENCE, Ports
-from trainer.session.stations.access import Access
+from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Picture

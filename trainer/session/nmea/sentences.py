@@ -13,9 +13,8 @@ from typing import Final
 from trainer.core.casualties import SOUNDER_RANGE
 from trainer.io.chart import Chart
 from trainer.io.nmea import LINE_END, number, sentence
-from trainer.session.nmea import fields as tell
-from trainer.session.nmea.fields import DILUTION, SATELLITES
-from trainer.session.nmea.readings import WIDEST, Readings, sight
+from trainer.session.nmea import readings as tell
+from trainer.session.nmea.readings import DILUTION, SATELLITES, WIDEST, Readings, sight
 from trainer.session.nmea.transponders import Transponders
 from trainer.session.stations.view import Frame
 

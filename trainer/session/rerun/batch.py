@@ -1,4 +1,4 @@
-"""Batches of columns on their way to the viewer, and the rows where they change."""
+"""The subject that the viewer shows, and batches of columns on their way there."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,8 +7,36 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.boat.boat import Boat
+from trainer.config.exercise import Limits
 from trainer.core.kernel import Numbers
 from trainer.session.layout import LAYOUT
+from trainer.session.plan import Plan
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """The subject of a picture. Nothing of the boat that moves is looked at."""
+
+    boat: Boat
+    limits: Limits
+    title: str
+
+    @classmethod
+    def of(cls, plan: Plan, boat: Boat) -> "Subject":
+        """Return the boat of a plan as the subject."""
+        return cls(boat, plan.limits, plan.title or boat.file.name)
+
+    @property
+    def length(self) -> float:
+        """Return the boat's length [m]."""
+        return float(self.boat.vessel.ell)
+
+    @property
+    def step(self) -> float:
+        """Return the time [s] from tick to tick."""
+        return self.boat.method.step
+
 
 Whole = NDArray[np.int64]
 

@@ -14,9 +14,8 @@ from trainer.io.atomic_write import replacing
 from trainer.io.recording.recording import Flown, Noted, Recording
 from trainer.session.header import layout_of, plan_of
 from trainer.session.history import settle_world
-from trainer.session.rerun.batch import Batch, Block, Times, Told, Worked, states
+from trainer.session.rerun.batch import Batch, Block, Subject, Times, Told, Worked, states
 from trainer.session.rerun.sinks import RrdFile
-from trainer.session.rerun.subject import Subject
 
 ROWS: Final = 4096  # [ticks] written at a time
 

@@ -15,9 +15,8 @@ from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.io.paths import HOST
 from trainer.session.options import RunOptions
-from trainer.session.rerun.feed import Feed, Sink
-from trainer.session.rerun.log import Log
-from trainer.session.rerun.subject import Subject
+from trainer.session.rerun.batch import Subject
+from trainer.session.rerun.feed import Feed, Log, Sink
 from trainer.session.stations.subscriptions import Promptly, Publisher
 from trainer.session.time.ledger import Ledger
 

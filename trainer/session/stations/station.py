@@ -8,7 +8,7 @@ import textwrap
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, Protocol
 
 from trainer.io.line import Line
 from trainer.io.lines import Overlong
@@ -17,10 +17,18 @@ from trainer.io.orders import sentences
 from trainer.io.orders.grammar import BadOrder, Order, Refused, Reply, to_the_crew
 from trainer.io.orders.help import help_text
 from trainer.io.orders.sentences import Heard, hear
-from trainer.session.stations.access import GUESSES, Access
 from trainer.session.stations.channels import EVENTS, TELETYPE
 from trainer.session.stations.display import WIDTH
-from trainer.session.stations.roles import COMMON, INSTRUCTOR, ROLES, Role, hears, refusal
+from trainer.session.stations.roles import (
+    COMMON,
+    GUESSES,
+    INSTRUCTOR,
+    ROLES,
+    Access,
+    Role,
+    hears,
+    refusal,
+)
 from trainer.session.stations.subscriptions import (
     Sending,
     Subscriptions,
@@ -335,3 +343,29 @@ def powers(role: Role) -> list[str]:
     own = "everything" if role is INSTRUCTOR else ", ".join(sorted(role.commands - COMMON))
     told = f"it orders {own or 'nothing'}; it sees {', '.join(role.channels)}, {EVENTS}"
     return textwrap.wrap(told, WIDTH)
+
+
+# Where stations come in by themselves, as a session knows it.
+
+
+class Reception(Protocol):
+    """Where stations come in by themselves."""
+
+    @property
+    def awaited(self) -> bool:
+        """Return whether a run that nobody attends to goes on for whoever may come."""
+        ...
+
+    def newcomers(self) -> list[Station]:
+        """Return those that have come since the last call."""
+        ...
+
+
+class Closed:
+    """Nobody comes in by himself."""
+
+    awaited = False
+
+    def newcomers(self) -> list[Station]:
+        """Return nobody."""
+        return []

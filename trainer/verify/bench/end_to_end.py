@@ -20,7 +20,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from re import Match, Pattern
 from typing import Final
@@ -31,6 +31,17 @@ from trainer.session.time.ledger import SECOND, Histogram, Spread
 
 SIZE: Final = 40, 120  # rows and columns
 TRAINER: Final = (sys.executable, "-m", "trainer")
+
+
+def begin_session(words: Sequence[str]) -> "subprocess.Popen[str]":
+    """Begin a session in a process of its own, whose words are kept."""
+    return subprocess.Popen(  # noqa: S603  our own program
+        [*TRAINER, "serve", *words],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
 
 
 @dataclass

@@ -20,8 +20,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.export.targets import NoCompilerError
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel
-from trainer.verify.bench.same_bits import for_level, levels_here
-from trainer.verify.bench.standard_hour import Ticks
+from trainer.verify.bench.standard_hour import Ticks, for_level, levels_here
 from trainer.verify.bench.tick import STANDARD, in_a_loop, ready
 from trainer.verify.c_reference.compiler import BUILDS, build
 

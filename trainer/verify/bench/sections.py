@@ -14,7 +14,7 @@ from trainer.verify.bench import (
     identify,
     on_time,
     peers,
-    same_bits,
+    standard_hour,
     start_up,
     web,
 )
@@ -68,7 +68,7 @@ SECTIONS: Final = {
         Section(lambda wanted: comparison.against_c(wanted.file), comparison.lines)
     ),
     "side_by_side": Section(lambda wanted: fleet.time_side_by_side(wanted.file), fleet.lines),
-    "same_bits": Section(lambda _wanted: same_bits.same_bits(), same_bits.lines),
+    "same_bits": Section(lambda _wanted: standard_hour.same_bits(), standard_hour.lines),
     "footprint": Section(lambda _wanted: footprint.footprint(), footprint.lines),
     "peers": Section(lambda wanted: peers.time_peers(wanted.file), peers.lines),
     "exported": or_left_out(

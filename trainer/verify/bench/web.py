@@ -8,7 +8,6 @@ import contextlib
 import re
 import shutil
 import signal
-import subprocess
 import tempfile
 import threading
 import time
@@ -24,10 +23,12 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.io.orders.sentences import order_sentence
 from trainer.session.time.ledger import Spread
-from trainer.verify.bench.contention import ENDED, count_missed, entry, lateness_of
-from trainer.verify.bench.end_to_end import TRAINER
+from trainer.verify.bench.end_to_end import begin_session
+from trainer.verify.bench.on_time import ENDED, count_missed, entry, lateness_of
 
 if TYPE_CHECKING:
+    import subprocess
+
     from playwright.sync_api import Page
 
 STATIONS: Final = 30
@@ -183,13 +184,7 @@ def sailing(file: VesselFile, folder: Path, name: str, *words: str) -> Iterator[
     recording = folder / f"{name}.trainer"
     words += ("--vessel", str(file.path), "--record", str(recording))
     words += ("--listen", "none", "--socket", str(folder / f"{name}.sock"))
-    with subprocess.Popen(  # noqa: S603  our own program
-        [*TRAINER, "serve", *words],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
+    with begin_session(words) as process:
         session = Sailing(process, recording)
         try:
             session.url = await_start(session, "pages at" if "--web" in words else "listening at")

@@ -15,8 +15,7 @@ from trainer.identify.armax import Armax, fit_armax, without_wind
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.residuals import aic_of_loss, f_test
 from trainer.verify.cases.decca import by_lanes
-from trainer.verify.cases.nonlinear import bent_hull
-from trainer.verify.cases.ships import PROOFS
+from trainer.verify.cases.ships import PROOFS, bent_hull
 
 RUNS: Final = 40
 # (6.3); its C is so that the deviations are those found from it

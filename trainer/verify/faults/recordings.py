@@ -11,9 +11,8 @@ from typing import Final
 
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.verify.faults.disk import PAGE
-from trainer.verify.faults.fork_server import ForkServer, Job
 from trainer.verify.faults.processes import remove
-from trainer.verify.faults.rig import Bench, Tried
+from trainer.verify.faults.rig import Bench, ForkServer, Job, Tried
 
 ENOUGH: Final = 60  # [s] of the processor for any command; a whole recording takes less than one
 ROOM: Final = 1_500_000_000  # [bytes] of memory; a whole recording takes a fifth

@@ -6,7 +6,7 @@ from typing import Final
 
 from trainer.config.files import ConfigError, nearest
 from trainer.verify.fuzz import files, lines, recordings
-from trainer.verify.fuzz.target import Target
+from trainer.verify.fuzz.fuzz import Target
 
 TARGETS: Final[Mapping[str, Target]] = {
     target.name: target for target in (*lines.TARGETS, *files.TARGETS, *recordings.TARGETS)

@@ -14,7 +14,7 @@ import numpy as np
 from trainer.analysis.estimate.boat_file import boat_tables, boat_text, estimate_of
 from trainer.analysis.estimate.boat_file import load as load_drawing
 from trainer.analysis.evaluate import answers
-from trainer.analysis.guide.baseline import load_earlier
+from trainer.analysis.guide.contents import load_earlier
 from trainer.analysis.guide.trials import load_published
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method, Records, fit_out
@@ -33,8 +33,7 @@ from trainer.identify.ships.vehicle import IdentifiedShip
 from trainer.identify.sources import Column, load_record
 from trainer.identify.study import load_study
 from trainer.identify.system_files import load_system
-from trainer.verify.fuzz.lines import GRAMMAR
-from trainer.verify.fuzz.target import (
+from trainer.verify.fuzz.fuzz import (
     TABLE,
     Target,
     only,
@@ -44,6 +43,7 @@ from trainer.verify.fuzz.target import (
     text_of,
     write_file,
 )
+from trainer.verify.fuzz.lines import GRAMMAR
 
 CONDITIONS: Final = (
     "depth > 100",

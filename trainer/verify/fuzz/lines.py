@@ -22,13 +22,13 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import parse_schedule
 from trainer.io.orders.table import BOAT_ORDERS, FORMS
 from trainer.session.nmea.orders import Command, NmeaLine, meaning
-from trainer.session.stations.access import Access
+from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import Pace, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
-from trainer.verify.fuzz.target import Target, text_of
+from trainer.verify.fuzz.fuzz import Target, text_of
 
 TOKEN: Final = "proving-1969"  # noqa: S105  a word of the proof
 ENOUGH: Final = 64  # [lines] of one input

@@ -17,7 +17,7 @@ from trainer.session.header import PLAN, differences, layout_of, method_of, note
 from trainer.session.layout import LAYOUT
 from trainer.units import KNOT
 from trainer.verify.faults import recordings
-from trainer.verify.fuzz.target import Target, folder, shipped_texts, text_of, write_file
+from trainer.verify.fuzz.fuzz import Target, folder, shipped_texts, text_of, write_file
 
 PATCH: Final = 4  # [bytes]  three of a place, one to stand there
 TICKS: Final = 8

@@ -1,17 +1,104 @@
-"""Finished members on disk: a folder, a file for each chunk, and a manifest."""
+"""The results of a sweep: batches as Parquet in a folder, then one file."""
 
 import json
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.analysis.sweep.batch import Batch
-from trainer.analysis.sweep.job import Job, differences
-from trainer.analysis.sweep.parquet import facts_of, read, table_of, write
+import numpy as np
+
+from trainer.analysis.sweep.job import Batch, Job, Opened, differences
+from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
+
+ROWS: Final = 65_536  # of a row group of the result
+MEMBER, SEED, TROUBLE = "member", "seed", "trouble"
+FACTS: Final = b"trainer.sweep"
+
+
+def check_pyarrow() -> None:
+    """Check that Parquet can be written; ConfigError saying what to install."""
+    require_library("pyarrow", "trainer sweep")
+
+
+def schema_of(opened: Opened) -> Any:
+    """Return a result's columns: seeds, numbers drawn, outputs, and why there are none."""
+    import pyarrow as pa  # noqa: PLC0415 - half a second, and not always there
+
+    middle = opened.study.draws.middle()
+    drawn = [
+        pa.field(name, pa.string() if isinstance(value, str) else pa.float64())
+        for name, value in middle.items()
+    ]
+    kept = [
+        pa.field(output.name, pa.float64(), metadata={"unit": output.unit})
+        for output in opened.subject.outputs
+    ]
+    first = [pa.field(MEMBER, pa.int64()), pa.field(SEED, pa.int64())]
+    return pa.schema([*first, *drawn, *kept, pa.field(TROUBLE, pa.string())])
+
+
+def table_of(batch: Batch, schema: Any) -> Any:
+    """Return a batch as a table; what a member never came to is null."""
+    import pyarrow as pa  # noqa: PLC0415
+
+    columns = [
+        batch.members,
+        batch.seeds,
+        *batch.drawn.values(),
+        *np.ascontiguousarray(batch.outputs.T),
+        list(batch.troubles),
+    ]
+    arrays = [
+        pa.array(column, field.type, from_pandas=True)
+        for column, field in zip(columns, schema, strict=True)
+    ]
+    return pa.table(arrays, schema=schema)
+
+
+def write(table: Any, path: Path) -> None:
+    """Write a table to a file that appears whole or not at all. OSError if it cannot be."""
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    with part.open("wb") as file:
+        pq.write_table(table, file, row_group_size=ROWS)
+        file.flush()
+        os.fsync(file.fileno())
+    part.replace(path)
+
+
+def read(path: Path) -> Any:
+    """Return the table of a file; OSError if it is none, or not whole."""
+    import pyarrow as pa  # noqa: PLC0415
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    try:
+        return pq.ParquetFile(path).read()
+    except pa.ArrowInvalid as wrong:
+        raise OSError(str(wrong)) from None
+
+
+def join_parts(tables: Iterable[Any], job: Job, schema: Any) -> Any:
+    """Return the result: all chunks in their order, and the facts they follow from."""
+    import pyarrow as pa  # noqa: PLC0415
+
+    facts = json.dumps(job.facts, sort_keys=True).encode()
+    whole = pa.concat_tables([schema.empty_table(), *tables]).combine_chunks()
+    return whole.replace_schema_metadata({FACTS: facts})
+
+
+def facts_of(table: Any) -> dict[str, Any]:
+    """Return the facts that a result follows from. There are none if it is of no study."""
+    found: dict[str, Any] = json.loads((table.schema.metadata or {}).get(FACTS, b"{}"))
+    return found
+
+
+# Finished members on disk: a folder, a file for each chunk, and a manifest.
+
 
 MANIFEST: Final = "manifest.json"
 

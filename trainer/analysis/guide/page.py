@@ -1,18 +1,28 @@
-"""The chapters of the guide, one function each."""
+"""The guide as one HTML page that needs nothing else, a function a chapter."""
 
 from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any, Final
 
 from markupsafe import Markup
 
-from trainer.analysis import characteristic, neutral_page, thrust
-from trainer.analysis.guide.baseline import Moved
-from trainer.analysis.guide.contents import REDUCED, Guide, GuideContents, Sheet, tally
+from trainer.analysis import characteristic, neutral, thrust
+from trainer.analysis.guide.contents import REDUCED, Guide, GuideContents, Moved, Sheet, tally
 from trainer.analysis.guide.programme import SETS, Leg
 from trainer.analysis.guide.summary import format_entry, word
 from trainer.analysis.guide.trials import Compared, WavesCompared
 from trainer.analysis.guide.verdicts import BEYOND, WITHIN, Judgement
 from trainer.analysis.manoeuvres.catalogue import format_parameters
-from trainer.analysis.report.html import Cell, charts, paragraph, section, table, verdict
+from trainer.analysis.report.html import (
+    Cell,
+    charts,
+    embed,
+    page,
+    paragraph,
+    section,
+    table,
+    verdict,
+)
 from trainer.analysis.report.panels import draw, figure, legend, page_unit, panels
 from trainer.analysis.report.plots import Panel
 
@@ -66,7 +76,7 @@ def overview(guide: Guide) -> Markup:
     return section("overview", "Overview", *totals, paragraph(words), table(heads, rows))
 
 
-def moves(found: tuple[Moved, ...]) -> Markup:
+def since_baseline(found: tuple[Moved, ...]) -> Markup:
     """Return what moved since the baseline."""
     if not found:
         return section("moved", "Since the baseline", paragraph("Nothing moved."))
@@ -228,8 +238,8 @@ def programs(book: GuideContents) -> Markup:
     for name, text, drawn in (
         (
             "Neutral angles and critical speeds (EC470)",
-            neutral_page.render(guide.neutral),
-            neutral_page.panels(book.file, guide.neutral),
+            neutral.render(guide.neutral),
+            neutral.panels(book.file, guide.neutral),
         ),
         (
             "Modes (EC140, EC200, EC320)",
@@ -306,3 +316,49 @@ def _judgement_cells(one: Judgement | None) -> list[str | Cell]:
         if one.unit == "s":
             told_difference = f"{difference:+.1f} s"
     return [figure(one.other, one.unit), told_difference, verdict(one.verdict)]
+
+
+# The page, and its JSON
+
+
+CONTENTS: Final = {
+    "overview": "Overview",
+    "findings": "What was found in 1969",
+    "published": "Published results",
+    "why": "Why the reduced sets differ",
+    "steps": "Steps and methods",
+    "programs": "Neutral angles, modes, thrust",
+}
+
+
+def as_json(guide: Guide) -> dict[str, Any]:
+    """Return the guide as JSON holds it."""
+    return asdict(guide)
+
+
+def render(book: GuideContents, moves: tuple[Moved, ...] | None) -> str:
+    """Return the page; ``moves`` is what moved since a baseline, None without one."""
+    guide = book.guide
+    names = dict(CONTENTS)
+    if moves is not None:
+        names["moved"] = "Since the baseline"
+    return page(
+        "guide.html",
+        "guide.css",
+        vessel=guide.vessel,
+        verdict=Cell(guide.conclusion, "good" if guide.passed else "bad"),
+        facts=facts(guide),
+        contents=names.items(),
+        legs=[(anchor(leg.title), leg.title) for leg in book.legs],
+        parts=[
+            overview(guide),
+            *([since_baseline(moves)] if moves is not None else []),
+            findings(guide),
+            trials(guide),
+            drops(guide),
+            steps(guide),
+            programs(book),
+            *manoeuvres(book),
+        ],
+        data=embed(as_json(guide)),
+    )

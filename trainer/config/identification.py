@@ -1,7 +1,0 @@
-"""The words by which an identification is asked for: models and channels."""
-
-from typing import Final
-
-SHIP: Final = "ship/1"  # form of the file of a ship that is not linear
-MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
-CHANNELS: Final = ("bow_sway", "stern_sway", "sway", "yaw_rate", "heading")  # outputs, in order
