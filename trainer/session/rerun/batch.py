@@ -1,6 +1,6 @@
 """The subject that the viewer shows, and batches of columns on their way there."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -130,3 +130,40 @@ class Changes:
         rows[0] |= last is None
         self._last[name] = values[-1].copy()
         return rows
+
+
+class Track:
+    """Where the last piece ended, from block to block."""
+
+    def __init__(self, spacing: float) -> None:
+        """Take the distance [m] from place to place."""
+        self._spacing = spacing
+        self._kept: Numbers = np.zeros(3)  # the last place
+        self._tick = self._branch = -1  # of the last row, which may be beyond it; none yet
+
+    def pieces(self, block: Block) -> Iterator[tuple[Times, NDArray[np.float32]]]:
+        """Yield the new pieces, two ends each, with the times at which they were finished.
+
+        A new line begins where the run was wound back, or went on from elsewhere.
+        """
+        places, ticks = block.several("x", "y", "z"), block.times.ticks
+        broken = np.diff(ticks, prepend=self._tick) <= 0
+        broken |= np.diff(block.branch, prepend=self._branch) != 0
+        for rows in np.split(np.arange(ticks.size), np.flatnonzero(broken)):
+            if not rows.size:
+                continue
+            if broken[rows[0]]:
+                self._kept = places[rows[0]]
+            ends, strips = self._follow(places[rows])
+            if ends.size:
+                yield Times(ticks[rows[ends]], block.times.seconds[rows[ends]]), strips
+        self._tick, self._branch = int(ticks[-1]), int(block.branch[-1])
+
+    def _follow(self, places: Numbers) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+        """Return at which places pieces end, and the pieces."""
+        line = np.concatenate((self._kept[None], places))
+        run = np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)) // self._spacing
+        ends = np.flatnonzero(np.diff(run, prepend=0.0) > 0.0)
+        corners = np.concatenate((line[:1], places[ends])).astype(np.float32)
+        self._kept = places[ends[-1]] if ends.size else self._kept
+        return ends, np.stack((corners[:-1], corners[1:]), axis=1)
