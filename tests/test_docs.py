@@ -54,12 +54,17 @@ FIRST_PAGES = {line: page for page in reversed(PAGES) for line in cases(page)}
 SLOW = re.compile(
     r"bench --(footprint|against-c|seconds 2)|--selftest|sweep (overshoots|centre-of-gravity)"
     r"|guide bb2 --html|estimate small-boat|export-core core"
+    r"|bench --latency|^trainer bench$|trainer soak"
 )
+SLOW_PAGES = {  # for engineers: many flights, each of a kind that has tests of its own
+    *("report-1969.md", "recordings.md", "sweeps.md", "boat-by-mail.md", "own-hull.md"),
+    *("reduction.md", "debrief.md"),
+}
 CASES = [
     pytest.param(
         line,
         id=f"{page.name}: {line[:60]}",
-        marks=[pytest.mark.slow] if SLOW.search(line) else [],
+        marks=[pytest.mark.slow] if SLOW.search(line) or page.name in SLOW_PAGES else [],
     )
     for line, page in FIRST_PAGES.items()
     if runnable(line) and page.name != "tutorial.md"

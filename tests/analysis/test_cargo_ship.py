@@ -231,6 +231,7 @@ def test_the_shipped_cargo_ship_turns_from_the_rudder_that_holds_it_straight(
     assert found["steady diameter"] == pytest.approx(steady, rel=0.03)
 
 
+@pytest.mark.slow
 def test_the_page_takes_the_shipped_cargo_ship_through_identification(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

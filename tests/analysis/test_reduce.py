@@ -398,6 +398,7 @@ def ended(tmp_path_factory: pytest.TempPathFactory) -> tuple[Ended, Ended]:
     return Ended(usual, before), Ended(fast, flown[0] - before)
 
 
+@pytest.mark.slow
 def test_a_search_drops_what_nothing_needs_and_says_why_the_rest_stays(
     slim: VesselFile, ended: tuple[Ended, Ended]
 ) -> None:

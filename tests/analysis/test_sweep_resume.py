@@ -212,6 +212,7 @@ def kept(out: Path) -> dict[str, int]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_killed_at_any_instant_and_run_again_no_finished_member_is_lost(tmp_path: Path) -> None:
     path = study(tmp_path, members=6000, seconds=40.0)

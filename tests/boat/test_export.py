@@ -609,6 +609,7 @@ def test_a_folder_that_is_a_file_is_named_before_anything_is_compiled(
         export(make_boat("bb2"), tmp_path / "core", "x86-64-v2")
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_start_and_memory_are_measured_beside_pythons_own() -> None:
     figures = measure_exported("bb2", 2)

@@ -108,7 +108,7 @@ SLOW = {  # [command] that flies a boat or fits a ship first; each has tests of 
     *("trainer debrief", "trainer manoeuvre", "trainer estimate", "trainer identify new"),
     *("trainer sea", "trainer check", "trainer resume", "trainer neutral", "trainer recordings"),
     *("trainer replay", "trainer compare", "trainer gains", "trainer exercise check"),
-    *("trainer steering", "trainer fit"),
+    *("trainer steering", "trainer fit", "trainer", "trainer exercise"),
 }
 STUDY = """schema = "identify/1"
 name = "A trial"

@@ -76,7 +76,17 @@ def check(load: Callable[[str], object], path: Path, text: str) -> Iterator[tupl
     assert read > 0
 
 
-@pytest.mark.parametrize("name", shipped_names("vessels"))
+# One boat has every kind of key; the others are for the slow run.
+each_vessel = pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[] if name == "remus100" else pytest.mark.slow)
+        for name in shipped_names("vessels")
+    ],
+)
+
+
+@each_vessel
 def test_no_key_of_a_vessel_takes_a_number_that_is_none(name: str, tmp_path: Path) -> None:
     text = shipped("vessels", name).read_text(encoding="utf-8")
     path = tmp_path / "boat.toml"
@@ -86,7 +96,7 @@ def test_no_key_of_a_vessel_takes_a_number_that_is_none(name: str, tmp_path: Pat
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", shipped_names("vessels"))
+@each_vessel
 def test_a_vessel_with_a_number_that_no_boat_has_is_refused_or_flies(
     name: str, tmp_path: Path
 ) -> None:

@@ -128,7 +128,17 @@ def reaction(table: Mapping[str, Any], name: str) -> VesselFile | str:
         return str(wrong)
 
 
-@pytest.mark.parametrize("name", shipped_names("vessels"))
+# One boat has every kind of key; the others are for the slow run.
+each_vessel = pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[] if name == "remus100" else pytest.mark.slow)
+        for name in shipped_names("vessels")
+    ],
+)
+
+
+@each_vessel
 def test_every_key_of_a_shipped_boat_acts_or_is_documentary(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -72,7 +72,7 @@ import json, os, signal, sys, time
 from trainer.analysis import recording_export
 from trainer.cli import main as cli
 from trainer.io.recording import checkpoint, file as recording_file, recording
-from trainer.session import resume
+from trainer.session import replay
 
 checkpoint.WORTHWHILE, checkpoint.EVERY = 200_000, 0.005  # a kill may hit these too
 recording.BATCH = 20  # and there is something after the last order more often

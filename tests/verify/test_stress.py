@@ -88,7 +88,10 @@ def test_stress_keeps_numbers_attitude_and_energy() -> None:
         assert math.isfinite(found.steepest_deg)
 
 
-@pytest.mark.parametrize(("vessel", "seconds"), [("remus100", 6000.0), ("sdv-mk9", 21600.0)])
+@pytest.mark.parametrize(
+    ("vessel", "seconds"),
+    [("remus100", 6000.0), pytest.param("sdv-mk9", 21600.0, marks=pytest.mark.slow)],
+)
 def test_a_small_boat_in_a_hurricane_s_waves_keeps_its_numbers(vessel: str, seconds: float) -> None:
     """They carry it along faster than its propeller could, and throw it out of the water."""
     way = ("longitudinal", "exact") if vessel == "remus100" else ("full", "exact")

@@ -20,7 +20,7 @@ def axe() -> str:
     return (node.modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("size", ["phone", "laptop"])
+@pytest.mark.parametrize("size", ["phone", pytest.param("laptop", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "palette", ["dusk", *(pytest.param(each, marks=pytest.mark.slow) for each in PALETTES[1:])]
 )

@@ -34,7 +34,10 @@ def opened(look: Look, session: Served, name: str, **how: object) -> Page:
     return page
 
 
-@pytest.mark.parametrize("name", CREW)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow if name in CREW[2:] else []) for name in CREW],
+)
 def test_each_new_order_rings_the_bell_of_those_who_are_to_repeat_it(
     shared: Served, instructor: Caller, look: Look, name: str
 ) -> None:

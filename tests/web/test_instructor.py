@@ -315,7 +315,7 @@ def test_a_late_comer_sees_the_past(shared: Served, caller: Caller, look: Look) 
     expect(page.locator("time-line .mark[title*='going down']")).to_have_count(1)
     drag(page, 30.0)
     depth = page.locator("#truth tr[data-of='depth'] td >> nth=0")
-    expect(depth).to_have_text("60.0")
+    expect(depth).to_have_text("60.0", timeout=1000.0 * PATIENCE)  # once the past is there
     drag(page, 1500.0)
     expect(depth).to_have_text(re.compile(r"80\.\d|79\.\d"))
 

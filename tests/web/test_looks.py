@@ -11,6 +11,7 @@ from trainer.web.pages import ASSETS, PAGES
 
 Look = Callable[..., Page]
 NAMES = [page.name for page in PAGES]
+SERVED = {"", "instructor", "scope"}  # whose lines are looked at in the short run
 each_page = pytest.mark.parametrize("name", NAMES, ids=lambda name: name or "first")
 
 # Pairs of tokens: what is written or drawn, on what; WCAG 2.2, 1.4.3 and 1.4.11.
@@ -178,7 +179,13 @@ def test_the_first_palette_is_the_browser_s_and_then_the_user_s(
     expect(page.locator(":root")).to_have_attribute("data-palette", "night")
 
 
-@each_page
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, id=name or "first", marks=[] if name in SERVED else pytest.mark.slow)
+        for name in NAMES
+    ],
+)
 def test_everything_that_a_page_asks_for_is_of_its_own_server(
     shared: Served, look: Look, name: str
 ) -> None:
