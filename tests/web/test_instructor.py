@@ -72,6 +72,15 @@ def fly(caller: Caller, seconds: float, pace: str = "max") -> float:
     return seconds_of(caller)
 
 
+def drawn(page: Page, seconds: float) -> None:
+    """Wait until the time line has been drawn up to a time [s]."""
+    page.wait_for_function(
+        "(now) => document.querySelector('time-line').flown.now >= now",
+        arg=seconds,
+        timeout=1000.0 * PATIENCE,
+    )
+
+
 def seconds_of(caller: Caller) -> float:
     """Return the time of the present moment [s]."""
     assert caller.ask("branches")[0]
@@ -276,6 +285,7 @@ def test_looking_back_sends_nothing_and_returns(
     now = fly(caller, 100.0, "100")
     expect(page.locator("#state")).to_have_text("FROZEN")
     expect(page.locator("#time")).to_have_text(f"{int(now) // 60:02}:{int(now) % 60:02}")
+    drawn(page, now)
     assert caller.ask("give command")[0]
     caller.news.clear()
 
@@ -307,8 +317,9 @@ def test_a_late_comer_sees_the_past(shared: Served, caller: Caller, look: Look) 
     fly(caller, 60.0, "100")
     assert caller.ask("depth 80")[0]
     assert caller.ask("mark going down")[0]
-    fly(caller, 1740.0)
+    now = fly(caller, 1740.0)
     page = settled(shared, look)
+    drawn(page, now)
 
     page.get_by_role("button", name="60 min").click()
     expect(page.locator("#log")).to_contain_text("mark: going down")
