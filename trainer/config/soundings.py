@@ -214,7 +214,7 @@ def read_geotiff(path: Path) -> Grid:
         raise ConfigError(advise_install("tifffile", f"{path}: a GeoTIFF")) from None
     try:
         with tifffile.TiffFile(path) as file:
-            page = file.pages[0]
+            page = file.pages.first
             tags = {
                 number: page.tags[number].value
                 for number in (SCALE, TIE, KEYS, ABSENT)
