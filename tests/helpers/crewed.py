@@ -45,6 +45,7 @@ class Typist:
 
     trouble = ""
     dropped = 0
+    room = True
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -118,10 +119,14 @@ class Crewed:
     def comes(self, role: str) -> Typist:
         """Let a station come that says who it is."""
         line = Typist(f"line {len(self.session.event_log.stations) + 1}")
+        self.attach(line, role)
+        return line
+
+    def attach(self, line: Typist, role: str) -> None:
+        """Let a station come at a line."""
         station = Station(line, Access(), self.sending, self.session.event_log.log)
         self.session.event_log.stations.append(station)
         self.say(line, f"role {role}")
-        return line
 
     def leaves(self, line: Typist) -> None:
         line.ended = True

@@ -14,6 +14,7 @@ class Line:
     sent: list[str] = field(default_factory=list)
     trouble: str = ""
     dropped: int = 0
+    room: bool = True
     ended: bool = False
 
     def take(self, most: int) -> list[str | Overlong]:

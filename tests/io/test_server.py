@@ -182,6 +182,22 @@ def test_a_hung_client_loses_its_own_lines_only_and_they_are_counted() -> None:
         assert hung._said_bytes <= MOST_BYTES  # noqa: SLF001
 
 
+def test_a_line_has_room_while_little_waits_to_go_out() -> None:
+    with control() as here, client(here) as (far, line):
+        sent = 0
+        while line.room:
+            line.send(f"{sent:060d}")
+            sent += 1
+
+        assert line.dropped == 0
+        news = MOST_SAID // 4
+        for _ in range(news):  # all else still goes out
+            line.send("news")
+        assert line.dropped == 0
+        assert read_lines(far, sent + news)[-1] == b"news"
+        assert here.wait(lambda: line.room)
+
+
 def test_what_a_slow_client_does_get_is_whole_lines_in_order() -> None:
     with control() as here, client(here) as (far, line):
         for i in range(20_000):

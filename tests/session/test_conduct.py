@@ -495,6 +495,41 @@ def test_a_late_station_sees_what_its_gauges_showed_before_what_they_show(
     assert len(after) == rows + len(found) + 1  # the live ones go on
 
 
+class Narrow(Typist):
+    """A line that loses what is sent while it has no room, as a slow one does."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.taken = 0  # lines before it is full
+
+    @property
+    def room(self) -> bool:  # type: ignore[override]
+        return len(self.sent) < self.taken
+
+    def send(self, line: str) -> None:
+        if line.startswith("$TRS") and not self.room:
+            self.dropped += 1
+        super().send(line)
+
+
+def test_a_slow_line_loses_nothing_of_the_past(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None)
+    ship.fly(200)
+    ship.order("freeze")
+    ship.recording.flush()
+    late = Narrow("a slow line")
+    ship.attach(late, "helm")
+
+    assert ship.say(late, "history gauges 60 min")[0] == "ok"
+    time.sleep(0.1)
+    assert not [each for each in late.sent if each.startswith("$TRS")]
+    while "end,gauges" not in ship.facts(late, "past"):
+        late.taken = len(late.sent) + 10
+        ship.settle(lambda: not late.room or "end,gauges" in ship.facts(late, "past"))
+    assert [row[1] for row in past(ship, late, "gauges")] == [str(tick) for tick in range(201)]
+    assert late.dropped == 0
+
+
 def test_the_past_is_that_of_the_role_and_of_the_present_branch(
     crewed: Callable[..., Crewed],
 ) -> None:

@@ -417,7 +417,7 @@ def test_no_fields_raise_and_every_command_is_an_order_or_refused(
 class Wire:
     """A line that brings what it is given."""
 
-    name, ended, trouble, dropped = "nmea wire", False, "", 3
+    name, ended, trouble, dropped, room = "nmea wire", False, "", 3, True
 
     def __init__(self, *lines: str | Overlong) -> None:
         self.lines = list(lines)

@@ -51,6 +51,7 @@ class Script:
     name: str = "script"
     trouble: str = ""
     dropped: int = 0
+    room: bool = True
 
     @property
     def ended(self) -> bool:

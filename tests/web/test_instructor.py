@@ -313,7 +313,6 @@ def given_by_page(caller: Caller) -> list[str]:
     return [text for text in told if text.startswith("instructor at ")]
 
 
-@pytest.mark.slow
 def test_a_late_comer_sees_the_past(shared: Served, caller: Caller, look: Look) -> None:
     fly(caller, 60.0, "100")
     assert caller.ask("depth 80")[0]

@@ -17,10 +17,9 @@ from trainer.io.lines import LineDecoder, Overlong, line_bytes
 
 CHUNK = 4096  # [bytes]  read at once
 MOST_HEARD = 256  # [lines]  waiting to be taken; beyond it the socket is not read
-MOST_SAID = (
-    512  # [lines]  waiting to be sent; beyond it, and beyond so many bytes, they are dropped
-)
-MOST_BYTES = 65536  # [bytes]
+# Waiting to be sent; beyond it lines are dropped. All that is kept of what has happened goes in.
+MOST_SAID = 2048  # [lines]
+MOST_BYTES = 262_144  # [bytes]
 PACE = 65536.0  # [bytes/s]  read at most, so that a flood costs the boat's thread nothing
 BURST = 16384.0  # [bytes]  read at once before the pace is kept
 
@@ -75,6 +74,11 @@ class Connection:
     def stranger(self) -> bool:
         """Return whether it came from anywhere, and has not said who it is."""
         return not (self.known or self.local)
+
+    @property
+    def room(self) -> bool:
+        """Return whether little waits to go out."""
+        return len(self._said) < MOST_SAID // 4 and self._said_bytes < MOST_BYTES // 4
 
     def introduce(self) -> None:
         """Note that it has been said who it is."""

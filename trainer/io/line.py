@@ -11,7 +11,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import Protocol
+from typing import Final, Protocol
 
 from trainer.io.lines import LineDecoder, Overlong, line_bytes
 from trainer.io.orders.grammar import LONGEST
@@ -24,6 +24,11 @@ class Sender(Protocol):
 
     dropped: int  # lines that did not get out
     trouble: str  # why the port is dead, "" while it lives
+
+    @property
+    def room(self) -> bool:
+        """Return whether little waits to go out."""
+        ...
 
     def send(self, line: str) -> None:
         """Take one line, without its end."""
@@ -50,6 +55,11 @@ class Outbox:
         self._closing = False
         self._thread = threading.Thread(target=self._run, name="outbox", daemon=True)
         self._thread.start()
+
+    @property
+    def room(self) -> bool:
+        """Return whether little waits to go out."""
+        return len(self._lines) < self._capacity // 4
 
     def send(self, line: str) -> None:
         """Queue one line. A full queue or a dead port drops and counts it."""
@@ -90,6 +100,8 @@ class Outbox:
 
 class Direct:
     """Write lines at once in the caller's thread: for runs that keep no time."""
+
+    room: Final = True
 
     def __init__(self, write: Callable[[bytes], object], line_end: bytes = b"\r\n") -> None:
         self.dropped = 0
@@ -226,6 +238,11 @@ class Line(Protocol):
         """Return how many lines were sent and did not get out."""
         ...
 
+    @property
+    def room(self) -> bool:
+        """Return whether little waits to go out; who has much to send waits for it."""
+        ...
+
     def take(self, most: int) -> list[str | Overlong]:
         """Return the oldest lines that have come, at most so many."""
         ...
@@ -284,6 +301,11 @@ class Joined:
     def dropped(self) -> int:
         """Return how many lines were sent and did not get out."""
         return self._sender.dropped + (self._port.unsent if self._port else 0)
+
+    @property
+    def room(self) -> bool:
+        """Return whether little waits to go out."""
+        return self._sender.room
 
     def take(self, most: int) -> list[str | Overlong]:
         """Return the oldest lines that have come, at most so many."""

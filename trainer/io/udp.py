@@ -12,6 +12,8 @@ HIGHEST: Final = 65535
 class Datagrams:
     """Somewhere that lines go, of trainer.io.line; sending never waits."""
 
+    room: Final = True
+
     def __init__(self, host: str, port: int) -> None:
         """Find the host, once; LinkError if there is none or the port is none."""
         self.dropped = 0

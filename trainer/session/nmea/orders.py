@@ -195,6 +195,11 @@ class NmeaLine:
         """Return how many sentences did not get out."""
         return self._line.dropped
 
+    @property
+    def room(self) -> bool:
+        """Return whether little waits to go out."""
+        return self._line.room
+
     def take(self, most: int) -> list[str | Overlong]:
         """Return the orders among the oldest lines that have come, and lines that are damaged."""
         lines = self._line.take(most)
@@ -251,6 +256,7 @@ class Readers:
 
     ended = False
     trouble = ""
+    room = True  # a slow reader holds up nobody
 
     def __init__(self, name: str, hub: Server, log: Log) -> None:
         self.name = name

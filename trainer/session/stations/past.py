@@ -25,7 +25,7 @@ from trainer.session.time.ledger import Ledger
 
 ROWS: Final = 360  # of a channel at most: one in ten seconds of an hour
 SLICE: Final = 12  # of them at once
-PAUSE: Final = 0.01  # [s] between slices: ticks and other lines have their turn
+PAUSE: Final = 0.01  # [s] between slices, and for room: ticks and other lines have their turn
 ANEW: Final = ("reset", "restart", "again")  # orders after which nothing of their moment stands
 PRESENT: Final = ("time", "ledger", "scope", "swell", "lookout")  # of which no state holds all
 
@@ -98,12 +98,20 @@ class PastReader:
         shown = display(asked.order.subject, station.role, machine=asked.heard.machine)
         reader = StateReader(self._boat, Ledger(self._boat.method.step).summary)
         for number, (tick, state) in enumerate(rows):
-            if station.leaving or station.line.ended or self._work.closing.is_set():
+            if not self._await_room(station):
                 return
             for line in shown.lines(reader.frame(Picture(tick, state, Pace()))):
                 station.line.send(line)
             if number % SLICE == SLICE - 1:
                 time.sleep(PAUSE)
+
+    def _await_room(self, station: Station) -> bool:
+        """Wait until a line takes more without a loss; False once nobody is there to take it."""
+        while not (station.leaving or station.line.ended or self._work.closing.is_set()):
+            if station.line.room:
+                return True
+            time.sleep(PAUSE)
+        return False
 
     def _mark(self, station: Station, which: str, channel: str, history: History) -> None:
         """Tell a program where the past begins and ends."""

@@ -119,6 +119,7 @@ class Wire:
     name = "wire"
     trouble = ""
     dropped = 0
+    room = True
 
     def __init__(self, lines: Iterable[str | Overlong]) -> None:
         self._lines = list(lines)

@@ -65,18 +65,16 @@ export function showState(desk) {
     return { row, line, cells };
   });
   one("#truth tbody").append(...rows.map(({ line }) => line));
-  const fill = paced(DIGITS, () => {
-    for (const each of rows) fillRow(desk, each);
-  });
-  session.on("tick", fill);
-  moment.addEventListener("look", () => {
+  const fill = () => {
     const { looking, unseen } = moment;
     document.body.toggleAttribute("data-back", looking !== null);
     const of = looking?.branch ? ` on branch ${looking.branch}` : "";
     const was = `as it was at ${clock(moment.seconds)}${of}`;
     write(one("#when"), unseen ? "not seen by this page" : looking ? was : "truth");
     for (const each of rows) fillRow(desk, each);
-  });
+  };
+  session.on("tick", paced(DIGITS, fill));
+  moment.addEventListener("look", fill);
 }
 
 /** @param {Desk} desk @param {{ row: Row, line: HTMLElement, cells: HTMLElement[] }} filled */

@@ -137,7 +137,7 @@ export class History {
   }
 
   /**
-   * Returns the row of a channel at a time, the last before it.
+   * Returns the row of a channel at a time, the last before it; undefined where it is not known.
    * @param {string} channel
    * @param {number} seconds
    */
@@ -153,12 +153,13 @@ export class History {
    */
   leftAt(branch, channel, seconds) {
     const past = this.left.get(branch)?.get(channel);
-    return past && past.times[0] <= seconds + SEAM ? rowAt(past, seconds) : undefined;
+    return past && rowAt(past, seconds);
   }
 }
 
 /** @param {Past} past @param {number} seconds @returns {Record<string, number> | undefined} */
 function rowAt({ times, rows }, seconds) {
+  if (times[0] > seconds + SEAM) return undefined;
   return rows[Math.max(before(times, seconds + 1e-6) - 1, 0)];
 }
 
