@@ -16,11 +16,11 @@ from trainer.analysis.debrief.changes import change_of, read_changes, without, w
 from trainer.analysis.debrief.charts import (
     charts_of,
     draw_timeline,
-    draw_track,
     ground_of,
     runs_beside,
 )
 from trainer.analysis.debrief.data import DebriefData, compared, figures, find_branch, gather
+from trainer.analysis.debrief.track import draw_track
 from trainer.analysis.report.html import charts, page, paragraph, print_pdf, section
 from trainer.analysis.report.svg import clock, draw
 from trainer.config.files import ConfigError, json_text
@@ -77,7 +77,7 @@ def _parts(debrief: DebriefData) -> Iterator[Markup]:
     if met := sections.ships(debrief):
         yield section("ships", "Ships", met)
     if debrief.of_kind("mark"):
-        yield section("words", "The instructor's words", sections.marks(debrief))
+        yield section("words", "Marks and remarks", sections.marks(debrief))
     if debrief.hands:
         yield section("hands", "Who gave orders", sections.hands(debrief))
     yield section("log", "Orders and events", sections.log(debrief))
