@@ -14,12 +14,13 @@ const WINDOW = 0.12; // [m] half the height of the glass
 /** @type {Record<string, number>} width of the view [rad] by power */
 const FIELDS = { 1.5: 32 * DEGREE, 6: 8 * DEGREE };
 const FINEST = 720; // [px] of a side: a soft picture, which changes whole fifteen times a second
+const OPEN = 3; // ticks either side of the middle, between which the level wire is left out
 const OVERLAP = 1.06; // of what is drawn over what is seen, for a view that rolls
 
 /**
  * @typedef {import("./ships.js").Sight} Sight
  * @typedef {import("./water.js").Colours & { high: string, low: string, ship: number, lamps: boolean,
- *   under: string, wire: string, stars: boolean }} Light of a time of day
+ *   under: string, wire: string, ink: string, stars: boolean }} Light of a time of day
  * @typedef {object} Scene what there is to see
  * @property {string} view down, washed, shakes, clear, or "" where there is no periscope
  * @property {string} words where nothing is seen
@@ -37,17 +38,17 @@ const OVERLAP = 1.06; // of what is drawn over what is seen, for a view that rol
 const LIGHTS = {
   day: {
     ...{ high: "#6f9dc4", low: "#dfe9ee", far: "#a9bfc9", dark: "#14424f", mean: "#2f6a78" },
-    ...{ light: "#8fb3bb", foam: "#ffffff", under: "#1e6a66", wire: "#101418" },
+    ...{ light: "#8fb3bb", foam: "#ffffff", under: "#1e6a66", wire: "#101418", ink: "#f4f1e4" },
     ...{ ship: 1, lamps: false, stars: false },
   },
   dusk: {
     ...{ high: "#26405f", low: "#e3a276", far: "#8d7f80", dark: "#0d1f2b", mean: "#2b4553" },
-    ...{ light: "#a08d86", foam: "#e8dcd3", under: "#123f44", wire: "#0b0d10" },
+    ...{ light: "#a08d86", foam: "#e8dcd3", under: "#123f44", wire: "#0b0d10", ink: "#f4f1e4" },
     ...{ ship: 0.42, lamps: true, stars: false },
   },
   night: {
     ...{ high: "#04060b", low: "#151c28", far: "#10161f", dark: "#020406", mean: "#0a1017" },
-    ...{ light: "#1d2733", foam: "#4a5765", under: "#03100f", wire: "#8c2019" },
+    ...{ light: "#1d2733", foam: "#4a5765", under: "#03100f", wire: "#8c2019", ink: "#e8352a" },
     ...{ ship: 0.06, lamps: true, stars: true },
   },
 };
@@ -86,7 +87,7 @@ class ScopeView extends Chart {
     const light = LIGHTS[document.documentElement.dataset.palette ?? "dusk"] ?? LIGHTS.dusk;
     const shown = scene.view === "" || scene.view === "down" ? "dark" : this.look(scene, area, radius, light);
     this.dataset.view = shown;
-    if (shown === "dark") this.tell(area, scene.words);
+    if (shown === "dark") this.tell(area, scene.words, light.ink);
     else {
       wires(area, scene, radius, light);
       this.cover(pen);
@@ -179,9 +180,9 @@ class ScopeView extends Chart {
     return mask;
   }
 
-  /** Writes words where nothing is seen. @param {import("../charts/chart.js").Area} area @param {string} words */
-  tell({ pen, width, height, size, face }, words) {
-    pen.fillStyle = "#d8d8d4";
+  /** Writes words where nothing is seen. @param {import("../charts/chart.js").Area} area @param {string} words @param {string} ink */
+  tell({ pen, width, height, size, face }, words, ink) {
+    pen.fillStyle = ink;
     pen.font = `500 ${size * 1.5}px ${face}`;
     pen.textAlign = "center";
     pen.fillText(words, 0.5 * width, 0.5 * height);
@@ -208,27 +209,27 @@ function wires({ pen, width, height, size, face }, scene, radius, light) {
   pen.fillStyle = light.wire;
   pen.lineWidth = 1.2;
   stroke(pen, [x, y - radius, x, y + radius]);
-  stroke(pen, [x - radius, y, x + radius, y]);
   const [tick, every] = scene.power > 2 ? [10 * MINUTE, 6] : [DEGREE, 5];
+  const open = OPEN * tick * scale; // a ship at the wire is not to be behind it
+  for (const side of [-1, 1]) stroke(pen, [x + side * open, y, x + side * radius, y]);
   for (let i = 1; i * tick * scale < radius; i++) {
     const long = i % every ? 5 : 10;
     for (const side of [-1, 1]) {
-      stroke(pen, [x + side * i * tick * scale, y - long, x + side * i * tick * scale, y + long]);
+      if (i >= OPEN) stroke(pen, [x + side * i * tick * scale, y - long, x + side * i * tick * scale, y + long]);
       stroke(pen, [x - long, y + side * i * tick * scale, x + long, y + side * i * tick * scale]);
     }
   }
-  tape(pen, { x, y, radius, scale, size, face }, scene);
+  tape(pen, { x, y, radius, scale, size, face, ink: light.ink }, scene);
 }
 
-/** Draws the bearings along the foot of the view. @param {CanvasRenderingContext2D} pen @param {{ x: number, y: number, radius: number, scale: number, size: number, face: string }} at @param {Scene} scene */
-function tape(pen, { x, y, radius, scale, size, face }, scene) {
+/** Draws the bearings along the foot of the view. @param {CanvasRenderingContext2D} pen @param {{ x: number, y: number, radius: number, scale: number, size: number, face: string, ink: string }} at @param {Scene} scene */
+function tape(pen, { x, y, radius, scale, size, face, ink }, scene) {
   const [half, top] = [0.5 * radius, y + 0.8 * radius];
   const high = 1.9 * size;
   pen.fillStyle = "#000000b0";
   pen.fillRect(x - half, top, 2 * half, high);
   const [step, named] = scene.power > 2 ? [0.5, 4] : [1, 5];
-  pen.fillStyle = "#f4f1e4";
-  pen.strokeStyle = "#f4f1e4";
+  pen.fillStyle = pen.strokeStyle = ink;
   pen.font = `500 ${size}px ${face}`;
   pen.textAlign = "center";
   const span = half / (scale * DEGREE);
