@@ -58,6 +58,7 @@ export class Water {
     this.spread(outlook);
     this.measure(sea, outlook);
     this.mix(outlook.colours);
+    this.drawDistance(outlook);
     const waiting = [...among];
     for (let range = RANGES - 1; range > 0; range--) {
       while (waiting.length && waiting[waiting.length - 1].distance > this.ranges[range]) waiting.pop()?.draw();
@@ -66,6 +67,14 @@ export class Water {
     }
     for (const each of waiting.reverse()) each.draw();
     this.drawFoot(outlook);
+  }
+
+  /** Fills what is between the horizon and the furthest range, and no more. @param {Outlook} outlook */
+  drawDistance({ pen, eye, scale, centre, horizontal, field, colours }) {
+    const top = horizontal + Math.sqrt((2 * eye) / EARTH) * scale;
+    const lowest = Math.max(...this.heights.subarray((RANGES - 1) * COLUMNS));
+    pen.fillStyle = colours.far;
+    pen.fillRect(centre - 0.5 * field * scale, top, field * scale, Math.max(lowest - top, 0) + OVERLAP);
   }
 
   /** Sets the ranges, from the nearest that is seen. @param {Outlook} outlook */
