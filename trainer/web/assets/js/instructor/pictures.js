@@ -192,7 +192,8 @@ export function showAttitude({ session, moment }, motion) {
     const limit = limitOf(session, "depth_m_max");
     const speed = moment.number("motion.speed");
     const surface = moment.number("sea.elevation");
-    side.show?.({ depth, pitch, speed, stern: value("stern"), bow, ordered, limit, surface });
+    const clearance = moment.number("motion.clearance");
+    side.show?.({ depth, pitch, speed, stern: value("stern"), bow, ordered, limit, surface, clearance });
     stern.show?.({ heel: value("heel"), rudder: value("rudder") });
   };
   motion.addEventListener("frame", draw);
