@@ -198,6 +198,28 @@ def test_ships_near_are_listed_and_gone_when_they_are_removed(
     expect(page.locator("#no-ships")).to_be_visible()
 
 
+def test_a_ship_is_added_by_bearing_and_range_and_steered_from_its_tab(
+    shared: Served, look: Look, caller: Caller
+) -> None:
+    page = settled(shared, look)
+    page.locator("#ships-tab").click()
+    page.locator("#ship").select_option("new tug")
+    for name, value in (("bearing", "045"), ("range", "1500"), ("course", "270"), ("speed", "8")):
+        page.locator(f"#ship-{name}").fill(value)
+    page.locator("#ship-add").click()
+    row = page.locator("#ships tbody tr >> nth=0")
+    expect(row).to_have_text(re.compile(r"tug1045150\d m2708\.0"))
+    row.click()
+    expect(page.locator("#ship")).to_have_value("tug1")
+    page.locator("#ship-bearing").fill("090")
+    page.locator("#ship-move").click()
+    expect(row.locator("td >> nth=0")).to_have_text("090")
+    assert [page.locator(f"#ship-{name}").is_visible() for name in ("add", "turn")] == [False, True]
+    page.locator("#ship-remove").click()
+    expect(page.locator("#no-ships")).to_be_visible()
+    assert caller.ask("status")[0]
+
+
 CHOOSE_TANK = """() => document.querySelector("tank-mimic")
     .dispatchEvent(new CustomEvent("choose", { detail: "mid" }))"""
 

@@ -18,7 +18,6 @@ from trainer.analysis.report.svg import (
     LETTER,
     RIGHT,
     WIDTH,
-    Axis,
     Chart,
     Ground,
     Level,

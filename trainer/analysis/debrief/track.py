@@ -1,4 +1,4 @@
-"""The track of a debrief from above: the boat's, the reference crew's, and the ships that it met."""
+"""The track of a debrief from above: the boat, the reference crew, the ships that it met."""
 
 from collections.abc import Iterator
 from typing import Final
