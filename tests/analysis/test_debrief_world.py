@@ -21,11 +21,11 @@ depth_m = 17.5
 
 [bottom]
 depth_m = 60
-slope_percent = 5
+slope_percent = 1
 deepens_deg = 180
 
 [limits]
-clearance_m_min = 10
+clearance_m_min = 35
 
 [[contact]]
 name = "big"
@@ -77,4 +77,4 @@ def test_the_time_line_has_a_bar_for_each_look(told: str) -> None:
 
 def test_the_water_under_the_keel_has_a_chart_with_its_limit(told: str) -> None:
     chart = told[told.index("Water under the keel against time") :]
-    assert "limit 10 m" in chart[: chart.index("</svg>")]
+    assert "limit 35 m" in chart[: chart.index("</svg>")]
