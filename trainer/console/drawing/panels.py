@@ -188,7 +188,7 @@ def periscope(model: SessionModel, width: int, height: int) -> Lines:
         *instruments(model, width, large=height >= PLANES),
         line((optics, "bright")),
         line((mast, "bright")),
-        line((f" in sight: {picture.word('scope', 'sighted') or 'nothing'}", "bright")),
+        line((f" in the view: {picture.word('scope', 'sighted') or 'nothing'}", "bright")),
     ]
     return [fit(each, width) for each in lines[:height]]
 
