@@ -26,8 +26,14 @@ import pytest
 from trainer.analysis.debrief.charts import as_it_was_come_to
 from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.debrief.measures import broach_rows
-from trainer.analysis.debrief.page import Asked, beside, debrief_file, read_dossier, render
-from trainer.analysis.debrief.track import draw_track
+from trainer.analysis.debrief.page import (
+    Asked,
+    beside,
+    debrief_file,
+    draw_track,
+    read_dossier,
+    render,
+)
 from trainer.analysis.recording_export import export_file
 from trainer.analysis.report import html
 from trainer.analysis.report.html import HERE, print_pdf

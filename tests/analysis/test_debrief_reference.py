@@ -16,9 +16,8 @@ from trainer.analysis.debrief.charts import ground_of, runs_beside
 from trainer.analysis.debrief.data import Compared, DebriefData, figures
 from trainer.analysis.debrief.episodes import read_backs
 from trainer.analysis.debrief.judgement import costs
-from trainer.analysis.debrief.page import Asked, read_compared, render
+from trainer.analysis.debrief.page import Asked, draw_track, read_compared, render
 from trainer.analysis.debrief.reference import behind, can_fly, extremes, first_fault, joined
-from trainer.analysis.debrief.track import draw_track
 from trainer.analysis.rehearsal import CREW
 from trainer.config.files import ConfigError
 from trainer.io.recording.recording import Journalled

@@ -1,7 +1,6 @@
 """A debrief of the world around the boat: ships, what was seen of them, and the ground."""
 
 import re
-from pathlib import Path
 
 import pytest
 from click.testing import CliRunner

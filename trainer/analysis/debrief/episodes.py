@@ -312,7 +312,10 @@ def meet(trajectory: Trajectory) -> Met:
 
 @dataclass(frozen=True)
 class Detection:
-    """A ship that was in sight, or would have been of a raised mast, and when it was marked."""
+    """A ship, and when it was in sight and was marked.
+
+    It was in sight, or would have been of a mast that is up.
+    """
 
     name: str
     there: int  # tick from which a mast that is up shows it
@@ -322,7 +325,7 @@ class Detection:
 
 @dataclass(frozen=True)
 class LookOut:
-    """What was seen and marked through the periscope, and the ticks of marks of nothing."""
+    """The ships of a look-out, and the ticks of marks that meant none."""
 
     ships: tuple[Detection, ...] = ()
     false: tuple[int, ...] = ()
@@ -344,7 +347,7 @@ def shown(trajectory: Trajectory) -> tuple[Rows, Numbers]:
 
 
 def look_out(trajectory: Trajectory) -> LookOut:
-    """Return the ships that were in sight, or could have been for MISSED, each with its mark."""
+    """Return the ships in sight, or that could have been for MISSED, with marks."""
     scope = periscope_of(trajectory.boat)
     if scope is None:
         return LookOut()

@@ -174,7 +174,10 @@ def exposed_raise(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
 
 
 def time_to_detect(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
-    """Return the longest time [s] from a ship in sight to its mark, more for marks of nothing."""
+    """Return the longest time [s] from a ship in sight to its mark.
+
+    It is longer by FALSE for each mark that meant no ship.
+    """
     looked_at = set(trajectory.ticks[rows].tolist())
     found = look_out(trajectory)
     ships = [each for each in found.ships if each.there in looked_at]

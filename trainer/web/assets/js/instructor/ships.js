@@ -65,7 +65,8 @@ function furnishOrders(desk) {
   const kinds = types.map(([type]) => html("option", { value: NEW + type }, `a new ${type}`));
   /** @type {Ship[]} */
   let near = [];
-  const said = (/** @type {string} */ of) => /** @type {HTMLInputElement} */ (one(`#ship-${of}`)).value.trim() || "0";
+  const field = (/** @type {string} */ of) => /** @type {HTMLInputElement} */ (one(`#ship-${of}`));
+  const said = (/** @type {string} */ of) => field(of).value.trim() || "0";
   const isNew = () => chosen.value.startsWith(NEW);
   const furnish = () => {
     one("#ship-add").hidden = !isNew();
@@ -99,7 +100,7 @@ function furnishOrders(desk) {
       const before = chosen.value;
       chosen.replaceChildren(...names.map((name) => html("option", {}, name)), ...kinds);
       chosen.value = before;
-      if (chosen.selectedIndex < 0) chosen.value = names[0] ?? kinds[0].value;
+      if (chosen.selectedIndex < 0) chosen.selectedIndex = 0;
       furnish();
     },
     /** Fills the fields by a ship of the list. @param {Ship} ship */
@@ -107,7 +108,7 @@ function furnishOrders(desk) {
       chosen.value = ship.name;
       const fields = { bearing: bearing(ship.bearing), range: String(ship.range), course: bearing(ship.course) };
       for (const [of, value] of Object.entries({ ...fields, speed: ship.speed.toFixed(1) })) {
-        /** @type {HTMLInputElement} */ (one(`#ship-${of}`)).value = value;
+        field(of).value = value;
       }
       furnish();
     },
