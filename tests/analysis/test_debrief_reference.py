@@ -325,7 +325,7 @@ def test_the_page_and_the_figures_tell_who_repeated(mastered: Path) -> None:
 
 def test_the_instructors_words_are_in_the_page_and_escaped(idle: Path) -> None:
     told = render(debriefed(idle))
-    assert "The instructor&#39;s words" in told
+    assert "Marks and remarks" in told
     assert "nobody &lt;moved&gt;" in told
 
 

@@ -3,7 +3,7 @@ import { before } from "../model/history.js";
 import { html, one } from "../draw.js";
 import { PLACES } from "./moment.js";
 import { paced } from "./desk.js";
-import { shipsOf } from "./ships.js";
+import { shipsOf, shipsThen } from "./ships.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
@@ -166,7 +166,7 @@ function drawTrack({ session, moment }) {
     if (times[at] >= moment.seconds - RECENT) recent += 1;
   }
   const ordered = moment.first(...PLACES.heading.slice(1));
-  const ships = moment.looking ? [] : shipsOf(session);
+  const ships = moment.looking ? shipsThen(moment.row("contacts")) : shipsOf(session);
   chart.show(places, moment.number("motion.heading"), { ordered, recent, ships });
 }
 

@@ -28,6 +28,17 @@ export function shipsOf(session) {
     });
 }
 
+/** Returns the places of ships as they were; a past has numbers alone. @param {Record<string, number>} [row] */
+export function shipsThen(row = {}) {
+  const places = Array.from({ length: MOST }, (_, at) => `contact_${at + 1}`);
+  return places
+    .filter((place) => row[`${place}_range`] !== undefined)
+    .map((place) => {
+      const [from, range, course] = ["bearing", "range", "course"].map((field) => row[`${place}_${field}`] ?? 0);
+      return { name: "", bearing: from, range, course };
+    });
+}
+
 /** Fills the tab of the ships, and keeps it filled. @param {Desk} desk */
 export function showShips(desk) {
   const { session } = desk;
