@@ -2,6 +2,7 @@
 
 import ast
 import contextlib
+import functools
 import hmac
 import os
 import socket
@@ -31,7 +32,14 @@ from trainer.session.stations.roles import Access, read_tokens, refuse_open_door
 
 HOME = Path(trainer.__file__).parent
 SOURCES = sorted(HOME.rglob("*.py"))
-TREES = {path: ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
+
+
+@functools.cache
+def trees() -> dict[Path, ast.Module]:
+    """Return what each source file says."""
+    return {path: ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
+
+
 EVIL_MODULES = {
     "pickle",
     "marshal",
@@ -82,14 +90,14 @@ def test_there_are_sources_to_read() -> None:
 
 
 def test_nothing_that_is_read_can_become_code() -> None:
-    for path, tree in TREES.items():
+    for path, tree in trees().items():
         found = EVIL_MODULES & set(imports(tree))
         found |= {name for name, _ in calls(tree) if name in EVIL_CALLS}
         assert not found, path
 
 
 def test_no_program_is_started_through_a_shell() -> None:
-    for path, tree in TREES.items():
+    for path, tree in trees().items():
         for _, call in calls(tree):
             assert not any(each.arg == "shell" for each in call.keywords), (path, ast.unparse(call))
 
@@ -97,7 +105,7 @@ def test_no_program_is_started_through_a_shell() -> None:
 def test_a_shell_is_started_by_the_proofs_alone() -> None:
     shells = {
         path.name
-        for path, tree in TREES.items()
+        for path, tree in trees().items()
         for node in ast.walk(tree)
         if isinstance(node, ast.Constant) and node.value in ("/bin/sh", "sh", "bash", "cmd")
     }
@@ -233,7 +241,7 @@ def test_one_module_alone_decides_what_a_role_may() -> None:
     deciding = {"commands", "events"}  # the parts of a role that say what it may order and hear
     elsewhere = {
         path.relative_to(HOME).as_posix()
-        for path, tree in TREES.items()
+        for path, tree in trees().items()
         for node in ast.walk(tree)
         if isinstance(node, ast.Attribute) and node.attr in deciding
         if ast.unparse(node.value).endswith("role")
@@ -277,7 +285,7 @@ def test_a_shipped_file_s_name_is_a_name_and_no_path(name: str) -> None:
 def test_nothing_but_notes_of_when_looks_at_the_time_of_day() -> None:
     looking = {
         path.relative_to(HOME).as_posix()
-        for path, tree in TREES.items()
+        for path, tree in trees().items()
         for node in ast.walk(tree)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
         if node.func.attr in TIME_OF_DAY

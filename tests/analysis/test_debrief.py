@@ -23,10 +23,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.analysis.debrief.charts import as_it_was_come_to, draw_track
+from trainer.analysis.debrief.charts import as_it_was_come_to
 from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.debrief.measures import broach_rows
-from trainer.analysis.debrief.page import Asked, beside, debrief_file, read_dossier, render
+from trainer.analysis.debrief.page import (
+    Asked,
+    beside,
+    debrief_file,
+    draw_track,
+    read_dossier,
+    render,
+)
 from trainer.analysis.recording_export import export_file
 from trainer.analysis.report import html
 from trainer.analysis.report.html import HERE, print_pdf
@@ -647,7 +654,9 @@ def test_the_page_shows_what_was_ordered_what_broke_and_what_was_said(page: str)
 def test_a_turning_circle_is_round_on_the_page() -> None:
     angle = np.linspace(0.0, math.tau, 241)
     columns = {"x": 300.0 * np.sin(angle), "y": 300.0 * np.cos(angle)}
-    debrief = SimpleNamespace(trajectory=SimpleNamespace(columns=columns))
+    alone = SimpleNamespace(world=SimpleNamespace(parts={}))
+    flown = SimpleNamespace(columns=columns, ticks=np.arange(241), boat=alone)
+    debrief = SimpleNamespace(trajectory=flown)
     drawn = draw_track(debrief, Ground(0.5 * np.arange(241.0), ((20.0, 40.0),), ()))  # type: ignore[arg-type]
     track, broken = re.findall(r'class="line (?:actual|broken)" d="M([^"]*)"', drawn)
     x, y = np.array([[float(n) for n in place.split()] for place in track.split("L")]).T

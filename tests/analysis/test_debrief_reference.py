@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from helpers.recorded import PANEL, record
 
-from trainer.analysis.debrief.charts import draw_track, ground_of, runs_beside
+from trainer.analysis.debrief.charts import ground_of, runs_beside
 from trainer.analysis.debrief.data import Compared, DebriefData, figures
 from trainer.analysis.debrief.episodes import read_backs
 from trainer.analysis.debrief.judgement import costs
-from trainer.analysis.debrief.page import Asked, read_compared, render
+from trainer.analysis.debrief.page import Asked, draw_track, read_compared, render
 from trainer.analysis.debrief.reference import behind, can_fly, extremes, first_fault, joined
 from trainer.analysis.rehearsal import CREW
 from trainer.config.files import ConfigError
@@ -325,7 +325,7 @@ def test_the_page_and_the_figures_tell_who_repeated(mastered: Path) -> None:
 
 def test_the_instructors_words_are_in_the_page_and_escaped(idle: Path) -> None:
     told = render(debriefed(idle))
-    assert "The instructor&#39;s words" in told
+    assert "Marks and remarks" in told
     assert "nobody &lt;moved&gt;" in told
 
 

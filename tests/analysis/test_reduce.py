@@ -414,6 +414,7 @@ def test_a_search_drops_what_nothing_needs_and_says_why_the_rest_stays(
     assert all(last.factors[i] == 0.0 for i in range(len(terms)) if i not in last.kept)
 
 
+@pytest.mark.slow
 def test_a_quick_search_flies_less_and_ends_in_the_same_limit(
     slim: VesselFile, ended: tuple[Ended, Ended]
 ) -> None:
@@ -673,6 +674,7 @@ def test_the_command_finds_writes_and_then_checks_a_set(slim: VesselFile, tmp_pa
     assert kept <= {*KEPT, *EXTRA_TERMS}
 
 
+@pytest.mark.slow
 def test_a_set_out_of_tolerance_is_exit_code_1_and_a_table_is_0(slim: VesselFile) -> None:
     text = SLIM + "[compensation.modified]\nN_r = 0.3\n"
     slim.path.write_text(text, encoding="utf-8")

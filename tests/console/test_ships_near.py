@@ -1,4 +1,4 @@
-"""The ships near, on the instructor's wide screen."""
+"""Ships on the screens: those near, on the instructor's, and what the periscope shows."""
 
 from helpers.screens import at_the_console, seen, tape
 from textual.pilot import Pilot
@@ -32,3 +32,17 @@ def test_a_ship_near_is_listed_with_its_closest_approach() -> None:
         await seen(pilot, app, " ferry     045   2310 270 12   410  188")
 
     at_the_console(look, talk, "instructor", WIDE)
+
+
+def test_the_periscope_tells_its_bearing_as_a_course_and_what_is_in_the_view() -> None:
+    talk = tape("scope")
+    fields = [(field.name, field.unit) for field in CHANNELS["scope"].fields]
+    shown = {"bearing": "359.7", "train": "4.0", "power": "6.0", "sighted": "tanker 001"}
+    talk.say(sentences.names("scope", fields))
+    talk.say(sentences.state("scope", 121, 60.5, [shown.get(name, "") for name, _ in fields]))
+
+    async def look(pilot: Pilot[str], app: Console) -> None:
+        await seen(pilot, app, "bearing 000  off the bow 4.0 deg  power 6.0 x")
+        await seen(pilot, app, "in the view: tanker 001")
+
+    at_the_console(look, talk, "scope", (100, 30))

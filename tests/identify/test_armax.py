@@ -47,6 +47,7 @@ def test_without_noise_the_coefficients_come_back() -> None:
     assert found.b == pytest.approx(SONG.b, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_standard_deviations_are_those_of_repeated_experiments() -> None:
     # 60 records: the scatter of each estimate is known to 9 %, three of those are allowed
     model = Armax((-1.5, 0.7), (1.0, 0.5), (-0.5, 0.2), (0.0, 0.0))

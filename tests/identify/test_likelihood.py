@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -60,47 +61,67 @@ def plainly(problem: Any) -> Any:
     return cost
 
 
-def cases() -> Any:
-    """Yield problems of every kind that the filter treats in its own way."""
-    yield "whole", recorded(question(400))
-    yield "missing", recorded(question(400, missing=0.1))
+def varied() -> Any:
     samples = question(300).samples
     jitter = np.random.default_rng(2).uniform(0.5, 1.5, 300)
-    varied = question(300).on(Samples(np.cumsum(jitter) * PERIOD, samples.outputs, samples.inputs))
-    yield "varied", recorded(varied)
+    return question(300).on(Samples(np.cumsum(jitter) * PERIOD, samples.outputs, samples.inputs))
+
+
+def with_a_gap() -> Any:
+    samples = question(300).samples
     gap = np.delete(np.arange(300), slice(100, 117))
-    t, y, u = samples.t[gap], samples.outputs[gap], samples.inputs[gap]
-    yield "gap", recorded(question(300).on(Samples(t, y, u)))
-    sums = replace(question(300), sampling="integrating")
-    yield "summed", recorded(sums)
+    return question(300).on(Samples(samples.t[gap], samples.outputs[gap], samples.inputs[gap]))
+
+
+def started() -> Any:
     variances = {"P11": 0.02, "P22": 1e-6, "P33": 1e-3, "P12": 1e-5, "P13": 0.0, "P23": 0.0}
     wind = {"Y_psi": 2e-3, "l_psi": 0.3}
-    started = TANKER.freed(*variances, *wind, **variances, **wind)
-    yield "started", recorded(started.problem(TANKER_RUDDER[:300]))
+    return TANKER.freed(*variances, *wind, **variances, **wind).problem(TANKER_RUDDER[:300])
+
+
+def settled_from_the_first() -> Any:
     problem = question(300)
     mean, noise, start = problem.sampled(problem.start).at(0)
     steady, gain = start[:, 1:].astype(complex), np.empty((3, 3), complex)
     settle(mean[0].astype(complex), noise[0].astype(complex), steady, 1e-15, 2000, gain)
     P = {f"P{i + 1}{j + 1}": steady[i, j].real for i, j in ((0, 0), (1, 1), (2, 2))}
     P |= {f"P{i + 1}{j + 1}": steady[i, j].real for i, j in ((0, 1), (0, 2), (1, 2))}
-    yield "settled from the first", recorded(TANKER.freed(**P).problem(TANKER_RUDDER[:300]))
+    return TANKER.freed(**P).problem(TANKER_RUDDER[:300])
+
+
+def of_four_outputs() -> Any:
     logs = replace(TANKER, outputs=("bow_sway", "stern_sway", "yaw_rate", "heading"))
     four = logs.freed("R2_v2", "v2_0", R2_v2=0.02, v2_0=0.1)
-    yield "four", recorded(four.problem(TANKER_RUDDER[:200]))
+    return four.problem(TANKER_RUDDER[:200])
 
 
-CASES = dict(cases())
+CASES: dict[str, Any] = {  # problems of every kind that the filter treats in its own way
+    "whole": lambda: question(400),
+    "missing": lambda: question(400, missing=0.1),
+    "varied": varied,
+    "gap": with_a_gap,
+    "summed": lambda: replace(question(300), sampling="integrating"),
+    "started": started,
+    "settled from the first": settled_from_the_first,
+    "four": of_four_outputs,
+}
+
+
+@cache
+def case(name: str) -> Any:
+    """Return a problem with a record of its own ship."""
+    return recorded(CASES[name]())
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_likelihood_is_that_of_the_filter_written_out(name: Any) -> None:
-    problem = CASES[name]
+    problem = case(name)
     assert Likelihood(problem).value(problem.start) == pytest.approx(plainly(problem), rel=1e-11)
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_gradient_is_exact(name: Any) -> None:
-    assert_slope(Likelihood(CASES[name]), CASES[name].start)
+    assert_slope(Likelihood(case(name)), case(name).start)
 
 
 def assert_slope(cost: Any, theta: Any, share: Any = 1e-3) -> None:
@@ -149,7 +170,7 @@ def stepped(problem: Any, place: Any) -> Any:
 
 @pytest.mark.parametrize("name", ["whole", "varied", "summed", "started", "settled from the first"])
 def test_gradient_and_information_are_those_of_an_imaginary_step(name: Any) -> None:
-    problem = CASES[name]
+    problem = case(name)
     runs = [stepped(problem, place) for place in range(len(problem.free))]
     inverse = np.linalg.inv(runs[0][1].real)
     e = np.array([run[0].imag for run in runs]) / 1e-100
@@ -169,7 +190,7 @@ def test_gradient_and_information_are_those_of_an_imaginary_step(name: Any) -> N
 
 def test_the_likelihood_is_that_of_statsmodels() -> None:
     kalman = pytest.importorskip("statsmodels.tsa.statespace.kalman_filter")
-    problem = CASES["missing"]
+    problem = case("missing")
     mean, noise, start = problem.sampled(problem.start).at(0)
     y, u = problem.samples.outputs, problem.samples.table[:, 3:]
     inputs = np.hstack([u, np.ones((len(u), 1))])
@@ -200,13 +221,13 @@ def test_the_settled_gain_is_the_filters_own_after_a_while() -> None:
 
 
 def test_an_interval_that_varies_has_no_settled_gain() -> None:
-    problem = CASES["varied"]
+    problem = case("varied")
     with pytest.raises(ConfigError, match="take the covariance form"):
         Innovations(problem, settled_gain).value(problem.start)
 
 
 def test_one_step_ahead_is_the_likelihood_and_more_steps_are_worse() -> None:
-    problem = CASES["missing"]
+    problem = case("missing")
     one = MultiStep(problem, 1, 1).value(problem.start)
     assert one == pytest.approx(Likelihood(problem).value(problem.start), rel=1e-11)
     assert MultiStep(problem, 4, 8).value(problem.start) > one
@@ -240,7 +261,7 @@ def test_a_prediction_uses_only_what_was_known_so_many_samples_before() -> None:
 
 
 def test_the_filter_shown_is_the_one_whose_likelihood_is_minimised() -> None:
-    problem = CASES["missing"]
+    problem = case("missing")
     run = run_filter(problem, problem.start, no_limits(3))
     total = 0.0
     for error, R, size in zip(run.errors, run.spreads, run.squares, strict=True):

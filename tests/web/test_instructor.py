@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
-from helpers.hands import WAYS, await_truth, see_whole, work
+from helpers.hands import WAYS, await_truth, read, see_whole, work
 from helpers.pages import PATIENCE, SIZES, Served
 from playwright.sync_api import Page, expect
 
@@ -196,6 +196,46 @@ def test_ships_near_are_listed_and_gone_when_they_are_removed(
     expect(row.locator("td >> nth=2")).to_have_text("270")
     assert caller.ask("contact ferry1 remove")[0]
     expect(page.locator("#no-ships")).to_be_visible()
+
+
+def test_a_ship_is_added_by_bearing_and_range_and_steered_from_its_tab(
+    shared: Served, look: Look, caller: Caller
+) -> None:
+    page = settled(shared, look)
+    caller.ask("give command")
+    page.locator("#ships-tab").click()
+    page.locator("#ship").select_option("new tug")
+    for name, value in (("bearing", "045"), ("range", "1500"), ("course", "270"), ("speed", "8")):
+        page.locator(f"#ship-{name}").fill(value)
+    page.locator("#ship-add").click()
+    row = page.locator("#ships tbody tr >> nth=0")
+    expect(row).to_have_text(re.compile(r"tug1045150\d m2708\.0"))
+    row.click()
+    expect(page.locator("#ship")).to_have_value("tug1")
+    page.locator("#ship-bearing").fill("090")
+    page.locator("#ship-move").click()
+    expect(row.locator("td >> nth=0")).to_have_text("090")
+    assert [page.locator(f"#ship-{name}").is_visible() for name in ("add", "turn")] == [False, True]
+    page.locator("#ship-remove").click()
+    expect(page.locator("#no-ships")).to_be_visible()
+
+
+def test_who_looks_back_sees_the_ships_where_they_were(
+    shared: Served, look: Look, caller: Caller
+) -> None:
+    page = settled(shared, look)
+    assert caller.ask("contact add ferry2 ferry at 3000 1500 course 270 speed 20")[0]
+    end = fly(caller, 30.0)
+    drawn(page, end)
+    drag(page, end - 20.0)
+    expect(page.locator("#when")).to_contain_text("as it was")
+    ((there, name),) = page.locator("track-chart").evaluate(
+        "(chart) => chart.shown.more.ships.map(({ range, name }) => [range, name])"
+    )
+    now = float(read(caller, "contacts.contact_1_range"))
+    assert name == ""
+    assert there != now
+    assert caller.ask("contact ferry2 remove")[0]
 
 
 CHOOSE_TANK = """() => document.querySelector("tank-mimic")

@@ -19,6 +19,9 @@ name = "Traffic"
 briefing = "Look round."
 duration_s = 3600
 
+[limits]
+cpa_m_min = 150
+
 [initial]
 speed_kn = 5
 depth_m = 17.5
@@ -197,3 +200,39 @@ def test_the_instructor_sees_mast_and_exposure(traffic: Served, look: Look) -> N
 def test_who_wants_no_motion_sees_a_still_view(traffic: Served, look: Look) -> None:
     page = opened(look, traffic, reduced_motion="reduce")
     assert page.evaluate("document.querySelector('scope-view').scene.roll") == 0
+
+
+# whether a page stops drawing its view: twenty pictures in a row, of four hundred at most
+RESTS: Final = """() => new Promise((done) => {
+  const { water } = document.querySelector("scope-view");
+  const draw = water.draw;
+  let [still, all] = [0, 0];
+  water.draw = function (...what) { still = 0; draw.apply(this, what); };
+  document.motion.addEventListener("frame", () => {
+    [still, all] = [still + 1, all + 1];
+    if (still > 20 || all > 400) done(still > 20);
+  });
+})"""
+
+
+@pytest.mark.usefixtures("desk")
+def test_a_view_that_stands_still_is_not_drawn_anew(traffic: Served, look: Look) -> None:
+    assert opened(look, traffic).evaluate(RESTS)
+
+
+@pytest.mark.usefixtures("desk")
+def test_who_looks_has_the_briefing_in_words(traffic: Served, look: Look) -> None:
+    page = opened(look, traffic)
+    page.get_by_role("button", name="Briefing").click()
+    expect(page.locator("#briefing-text")).to_contain_text("Look round.")
+    expect(page.locator("#briefing-text")).to_contain_text("range to a ship at least 150 m")
+
+
+@pytest.mark.usefixtures("desk")
+@pytest.mark.parametrize("size", ["laptop", "phone"])
+def test_a_type_of_ship_fills_in_its_masthead(traffic: Served, look: Look, size: str) -> None:
+    page = opened(look, traffic, size=size)
+    page.get_by_role("combobox", name="Type of ship").select_option(label="tanker")
+    expect(page.locator("#range input")).to_have_value("40")
+    page.get_by_role("button", name="Range").click()
+    expect(page.locator("#ranged")).to_contain_text("40 m high, range")

@@ -10,17 +10,17 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.debrief.episodes import SCHEDULE
+from trainer.analysis.debrief.episodes import LOOKOUT, SCHEDULE
 from trainer.analysis.debrief.trajectory import COLUMNS, Trajectory
 from trainer.boat.boat import Boat
 from trainer.boat.depths import collapse_of
 from trainer.boat.helm import obey
 from trainer.boat.reference_crew import Given, Reaction, ReferenceCrew
 from trainer.boat.world.encounters import EncounterMonitor
-from trainer.config.reference_crew import Crew
-from trainer.io.orders.grammar import Refused, Reply
+from trainer.config.reference_crew import MARK, Crew
+from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.table import BOAT_ORDERS
-from trainer.io.recording.queries import Journalled, Moment
+from trainer.io.recording.queries import Journalled, Moment, Noted
 from trainer.session.history import WorldOrders
 from trainer.session.layout import LAYOUT, read_state
 from trainer.session.plan import Plan
@@ -95,6 +95,7 @@ def fly(
         columns=dict(zip(COLUMNS, columns, strict=True)),
         lateness=np.full(len(rows), np.nan),
         work=np.full(len(rows), np.nan),
+        marks=tuple(journal.marks),
     )
     refused = tuple(each for each in entries if each.accepted is False)
     times = dict(journal.rules)
@@ -118,6 +119,7 @@ class Journal:
         """Begin an empty one."""
         self.boat = boat
         self.entries: list[Journalled] = []
+        self.marks: list[Noted] = []
         self.rules: dict[int, float] = {}  # [s] when each was last carried out
 
     def obey_schedule(self, plan: Plan, place: int) -> None:
@@ -127,11 +129,16 @@ class Journal:
             self._write(SCHEDULE, order.text, obey(self.boat, order), place)
 
     def note(self, given: list[Given]) -> None:
-        """Note what the crew has ordered."""
+        """Note what the crew has ordered and marked."""
         for each in given:
             if each.rule is not None:
                 self.rules[each.rule] = self.boat.time
-            self._write(CREW, each.text, each.reply, None)
+            order = parse(each.text)
+            if isinstance(order, Order) and order.name == MARK:  # no order of the boat's
+                noted = Noted(1, self.boat.ticks, MARK, LOOKOUT, order.subject, "")
+                self.marks.append(noted)
+            else:
+                self._write(CREW, each.text, each.reply, None)
 
     def _write(self, who: str, text: str, reply: Reply, place: int | None) -> None:
         refused = isinstance(reply, Refused)

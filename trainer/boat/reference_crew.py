@@ -18,7 +18,7 @@ from trainer.boat.helm import obey
 from trainer.boat.limits import showing
 from trainer.boat.world.scope import eye_height
 from trainer.config.condition import QUANTITIES, Condition
-from trainer.config.reference_crew import HANDS, Crew, CrewRule
+from trainer.config.reference_crew import HANDS, MARK, Crew, CrewRule
 from trainer.io.orders.grammar import Order, Reply, parse
 
 
@@ -210,6 +210,8 @@ class ReferenceCrew:
         if order.name in HANDS:
             self._switch(order)
             return Given(order.text, order.text, place)
+        if order.name == MARK:
+            return Given(order.text, f"marked at {self.boat.time:g} s", place)
         return Given(order.text, obey(self.boat, order), place)
 
     def _switch(self, order: Order) -> None:

@@ -26,6 +26,7 @@ from trainer.config.score_rules import ANSWERS
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import LATEST
 
+MARK: Final = "mark"  # of a ship that is seen
 CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # of orders to the crew
 UNSEEN: Final = ("heavy", "speed_over_ground")  # quantities that no gauge has
 HANDS: Final = ("planesman", "helmsman")
@@ -185,6 +186,6 @@ def parse_crew_order(text: str, place: Place) -> Order:
     order = parse(text)
     if not isinstance(order, Order):
         raise ConfigError(place.wrong("order", text, order.reason if order else "is no order"))
-    if order.name not in ANSWERS:
+    if order.name not in (*ANSWERS, MARK):
         raise ConfigError(place.wrong("order", text, "no crew orders that"))
     return order

@@ -131,7 +131,8 @@ MEASURES: Final[Mapping[str, Measure]] = {
         (),
         "s",
         "longest time from when a ship came in sight to a mark of it: `mark contact 045`, "
-        "within 3 deg",
+        "within 3 deg; 30 s more for each mark of no ship seen; no value where a ship was not "
+        "marked, or not seen that a raised mast would have shown for 2 min",
         "the mark",
     ),
     "broaches": Measure(

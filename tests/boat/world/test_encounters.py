@@ -120,6 +120,14 @@ def test_an_approach_is_called_once_and_again_when_it_changes(tmp_path: Path) ->
     assert len(fly(boat, monitor, 10.0)) == 1
 
 
+def test_waves_that_yaw_the_boat_call_no_approach_again(tmp_path: Path) -> None:
+    """A ship passes half a kilometre off, ten minutes ahead: what the waves do is no news."""
+    waves = '[sea]\nsea_state = 4\ndirection_deg = 60\ngenerator = "cosines"\n'
+    boat = under_way(tmp_path, waves + CROSSING.replace("2000]]", "4000]]"), 17.5)
+    monitor = EncounterMonitor.over(boat)
+    assert len(fly(boat, monitor, 120.0)) <= 2
+
+
 def ships_of(monitor: EncounterMonitor) -> Contacts:
     """Return the ships that are watched."""
     assert monitor.contacts is not None

@@ -3,9 +3,10 @@
 import contextlib
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -278,7 +279,9 @@ def test_a_page_is_told_angles_alone_and_nothing_below_the_horizon(tmp_path: Pat
     told = shown(boat, "scope")
     assert told["ship_1"] == "tanker"
     assert "ship_2" not in told
-    assert told["sighted"] == "tanker 027"
+    assert "sighted" not in told  # it is not in the view
+    give(boat, "scope train 20")
+    assert shown(boat, "scope")["sighted"] == "tanker 027"
     units = {field.unit for field in CHANNELS["scope"].fields if field.name.startswith("ship")}
     assert units == {"", "deg", "min"}
     assert float(shown(boat, "lookout")["nearest"]) == pytest.approx(2200.0, abs=60.0)
@@ -369,11 +372,42 @@ def test_a_tick_that_is_flown_again_counts_once(tmp_path: Path) -> None:
     assert scope.exposed(60, raised=False) == wanted
 
 
+LOOKS: Final = {0: "scope raise"}
+
+
+def time_to_detect(
+    folder: Path, marks: dict[int, str], orders: dict[int, str] = LOOKS, ticks: int = 60
+) -> tuple[float | None, str]:
+    """Return what is made of a look at a ship that bears 029, with marks by the lookout."""
+    return attained(flown(at_sea(folder, TANKER), ticks, orders, marks), "time-to-detect")
+
+
 def test_a_ship_counts_as_detected_from_a_mark_on_its_bearing(tmp_path: Path) -> None:
-    orders = {0: "scope raise"}
-    passage = flown(at_sea(tmp_path, TANKER), 60, orders, {40: "contact 040", 50: "contact 029"})
+    passage = flown(at_sea(tmp_path, TANKER), 60, LOOKS, {50: "contact 029"})
     seen = int(np.flatnonzero(passage.series("eye") > 0.0)[0])
     assert attained(passage, "time-to-detect") == (0.5 * (50 - seen), "")
-    missed = flown(at_sea(tmp_path, TANKER), 60, orders, {40: "contact 040"})
-    assert attained(missed, "time-to-detect") == (None, "big was not marked")
-    assert attained(flown(at_sea(tmp_path), 20, orders, {}), "time-to-detect")[0] is None
+    assert time_to_detect(tmp_path, {40: "contact 040"}) == (None, "big was not marked")
+    assert attained(flown(at_sea(tmp_path), 20, LOOKS, {}), "time-to-detect")[0] is None
+
+
+def test_a_mark_of_no_ship_seen_costs_as_much_as_half_a_minute(tmp_path: Path) -> None:
+    right = time_to_detect(tmp_path, {50: "contact 029"})[0]
+    all_round = {40 + i: f"contact {6 * i + 90:03d}" for i in range(10)}
+    assert right is not None
+    assert time_to_detect(tmp_path, all_round | {50: "contact 029"})[0] == right + 300.0
+
+
+def test_who_never_looks_has_detected_nothing(tmp_path: Path) -> None:
+    blind = time_to_detect(tmp_path, {50: "contact 029"}, {}, 240)
+    assert blind == (None, "nobody looked for big")
+    deep = flown(at_sea(tmp_path, TANKER, depth=60.0), 240, {}, {})
+    assert attained(deep, "time-to-detect") == (None, "no ship came in sight")
+
+
+def test_a_remark_of_another_is_no_mark_of_the_lookout_s(tmp_path: Path) -> None:
+    passage = flown(at_sea(tmp_path, TANKER), 60, LOOKS, {50: "contact 200"})
+    remark = Noted(1, 45, "mark", "instructor 1", "contact 029", "")
+    told = replace(passage, marks=(*passage.marks, remark))
+    assert attained(told, "time-to-detect") == (None, "big was not marked")
+    alone = replace(passage, marks=(remark,))
+    assert attained(alone, "time-to-detect")[0] is not None

@@ -1,4 +1,4 @@
-"""The drawings of a debrief: the time line, the charts, the track. The reference run laid under."""
+"""The drawings of a debrief against time: time line and charts. The reference run laid under."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -8,6 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from trainer.analysis.debrief.data import DebriefData
+from trainer.analysis.debrief.episodes import shown
 from trainer.analysis.debrief.measures import LIMITED, limits_of
 from trainer.analysis.debrief.trajectory import Rows, Trajectory
 from trainer.analysis.rehearsal import CREW
@@ -17,7 +18,6 @@ from trainer.analysis.report.svg import (
     LETTER,
     RIGHT,
     WIDTH,
-    Axis,
     Chart,
     Ground,
     Level,
@@ -26,7 +26,6 @@ from trainer.analysis.report.svg import (
     clock,
     rect,
     rule,
-    step_of,
     svg,
     text,
     time_axis,
@@ -49,8 +48,11 @@ CHART_OF: Final = {  # where a quantity is drawn that has no chart of its own na
     "turns": "speed",
     "bank_main": "air",
     "bank_emergency": "air",
+    "speed_over_ground": "speed",
 }
-NAMES: Final = ("depth", "pitch", "stern", "bow", "course", "rudder", "speed", "air")
+NAMES: Final = (
+    *("depth", "clearance", "pitch", "stern", "bow", "course", "rudder", "speed", "air"),
+)
 
 
 def chart_of(quantity: str) -> str:
@@ -109,7 +111,7 @@ def charts_of(trajectory: Trajectory, beside: tuple[Beside, ...] = ()) -> Iterat
 
     Those of parts that the boat lacks are left out.
     """
-    for make in (_depth, _pitch, _stern, _bow, _course, _rudder, _speed, _air):
+    for make in (_depth, _clearance, _pitch, _stern, _bow, _course, _rudder, _speed, _air):
         chart = make(trajectory)
         if chart is not None:
             end = float(trajectory.seconds[-1])
@@ -135,6 +137,16 @@ def _depth(trajectory: Trajectory) -> Chart:
     )
     limits = _limits(trajectory, "depth_m")
     return Chart("depth", "Depth", "m", lines, limits, downwards=True, least=6.0)
+
+
+def _clearance(trajectory: Trajectory) -> Chart | None:
+    """Return the chart of the water under the keel, None where there is no ground."""
+    if not trajectory.has("clearance"):
+        return None
+    under = trajectory.series("clearance")
+    lines = (Line("actual", np.where(np.isfinite(under), under, np.nan), ACTUAL),)
+    limits = _limits(trajectory, "clearance_m")
+    return Chart("clearance", "Water under the keel", "m", lines, limits, least=10.0)
 
 
 def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: Rows) -> Numbers:
@@ -262,12 +274,14 @@ def _limits(trajectory: Trajectory, key: str) -> tuple[Level, ...]:
 
 ROW, TOP, BOTTOM = 20.0, 8.0, 24.0  # [px]
 LABEL: Final = 24.0  # [px] that a label takes
+WASHED: Final = 10.0  # [s] under water, in which the periscope is still taken to show
 
 
 def draw_timeline(debrief: DebriefData, ground: Ground) -> Markup:
     """Return the time line as an SVG element."""
     rows = [*_casualties(debrief, ground), *_to_crew(debrief, ground), _orders(debrief, ground)]
-    rows += [*_reference(debrief, ground), _calls(debrief, ground), _marks(debrief, ground)]
+    rows += [*_reference(debrief, ground), _shown(debrief, ground)]
+    rows += [_calls(debrief, ground), _marks(debrief, ground)]
     rows += _scores(debrief, ground)
     shown = [row for row in rows if row]
     bottom = TOP + ROW * len(shown)
@@ -317,6 +331,18 @@ def _to_crew(debrief: DebriefData, ground: Ground) -> Iterator[str]:
     yield from _labelled(named, "ordered", debrief, ground)
 
 
+def _shown(debrief: DebriefData, ground: Ground) -> str:
+    """Return a row with a bar for each time that the periscope showed."""
+    seconds = debrief.trajectory.seconds[shown(debrief.trajectory)[0]]
+    if not seconds.size:
+        return ""
+    breaks = np.flatnonzero(np.diff(seconds) > WASHED) + 1
+    ends = ((each[0], each[-1] + debrief.step) for each in np.split(seconds, breaks))
+    places = [(ground.across.at(begin), ground.across.at(end)) for begin, end in ends]
+    bars = (rect("shown", begin, 5.0, max(end - begin, 2.0), ROW - 10.0) for begin, end in places)
+    return "".join(bars) + _heading("scope")
+
+
 def _calls(debrief: DebriefData, ground: Ground) -> str:
     ticks = [ground.across.at(each.tick * debrief.step) for each in debrief.of_kind("watch")]
     drawn = "".join(text("call middle", x, 14.0, "x") for x in ticks)
@@ -363,86 +389,3 @@ def _labels(places: list[float], letter: str) -> str:
 
 def _heading(words: str) -> str:
     return text("tick end", LEFT - 6.0, 14.0, words)
-
-
-# The track
-
-
-TALL: Final = 420.0  # [px] of the track
-SIDE, HEAD, FOOT = 10.0, 26.0, 30.0  # [px] about it
-LEAST: Final = 400.0  # [m] across the shorter way
-EVERY: Final = (10.0, 30.0, 60.0, 300.0, 600.0, 1800.0)  # [s] between its marks of time
-TRACKED: Final = 1600  # points of it
-TICKED: Final = 12  # of them at most
-SCALE: Final = 0.2  # of the width, the longest rule
-
-
-def draw_track(debrief: DebriefData, ground: Ground, beside: tuple[Beside, ...] = ()) -> Markup:
-    """Return the track from above as an SVG element, north up, equal scales both ways."""
-    column = debrief.trajectory.columns
-    good = np.isfinite(column["x"]) & np.isfinite(column["y"])
-    north, east, seconds = column["x"][good], column["y"][good], ground.seconds[good]
-    if not seconds.size:
-        return Markup()
-    others = [_way_of(run, float(seconds[-1])) for run in beside]
-    across, up = _equal_axes(
-        np.concatenate([east, *(way[0] for way in others)]),
-        np.concatenate([north, *(way[1] for way in others)]),
-    )
-    x, y = across.places(east), up.places(north)
-    parts = [text("title", SIDE, 16.0, "Track [m], north up")]
-    for run, way in zip(beside, others, strict=True):
-        parts.append(_path(run.style, across.places(way[0]), up.places(way[1])))
-    parts.append(_path("actual", x, y))
-    for begin, end in ground.spans:
-        inside = (seconds >= begin) & (seconds <= end)
-        if inside.any():
-            parts.append(_path("broken", x[inside], y[inside]))
-    step = next((s for s in EVERY if seconds[-1] / s <= TICKED), EVERY[-1])
-    for second in np.arange(0.0, float(seconds[-1]) + 1e-9, step):
-        place = int(np.searchsorted(seconds, second))
-        parts.append(f'<circle class="axis" cx="{x[place]:.1f}" cy="{y[place]:.1f}" r="2.5"/>')
-        parts.append(text("tick", x[place] + 6.0, y[place] - 4.0, clock(float(second))))
-    return svg("The track from above", (WIDTH, TALL), [*parts, *_rule_of(across)])
-
-
-def _way_of(run: Beside, end: float) -> tuple[Numbers, Numbers]:
-    """Return the way of another run up to a time [s]: east and north [m]."""
-    column = run.trajectory.columns
-    good = np.isfinite(column["x"]) & np.isfinite(column["y"])
-    good &= run.trajectory.seconds <= end + 1e-6
-    return column["y"][good], column["x"][good]
-
-
-def _equal_axes(east: Numbers, north: Numbers) -> tuple[Axis, Axis]:
-    """Return axes of one scale about the whole track: a turning circle is round."""
-    wide, high = WIDTH - 2.0 * SIDE, TALL - HEAD - FOOT
-    metres = 1.12 * max(float(np.ptp(east)) / wide, float(np.ptp(north)) / high)
-    metres = max(metres, LEAST / min(wide, high))
-    middle_e = 0.5 * (float(east.min()) + float(east.max()))
-    middle_n = 0.5 * (float(north.min()) + float(north.max()))
-    half_e, half_n = 0.5 * metres * wide, 0.5 * metres * high
-    return (
-        Axis(middle_e - half_e, middle_e + half_e, SIDE, WIDTH - SIDE),
-        Axis(middle_n - half_n, middle_n + half_n, TALL - FOOT, HEAD),
-    )
-
-
-def _path(style: str, x: Numbers, y: Numbers) -> str:
-    """Return a line through places [px], about one point in so many as can be told apart."""
-    every = max(x.size // TRACKED, 1)
-    rows = [*range(0, x.size, every), x.size - 1]
-    told = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in rows)
-    return f'<path class="line {style}" d="M{told}"/>'
-
-
-def _rule_of(across: Axis) -> Iterator[str]:
-    """Yield a rule of a round length, with that length."""
-    pixels = (across.end - across.begin) / (across.high - across.low)  # [px/m]
-    length = step_of(SCALE * WIDTH / pixels, 1)
-    length = length if length * pixels <= 2.0 * SCALE * WIDTH else 0.5 * length
-    bottom = TALL - 10.0
-    yield rule("axis", SIDE, bottom, SIDE + length * pixels, bottom)
-    for end in (SIDE, SIDE + length * pixels):
-        yield rule("axis", end, bottom - 4.0, end, bottom + 4.0)
-    yield text("tick", SIDE + length * pixels + 8.0, bottom + 4.0, f"{length:g} m")

@@ -5,11 +5,12 @@ All from states and journal: a recording without orders to the crew has none to 
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.analysis.debrief.trajectory import (
     AMOUNTS,
@@ -237,9 +238,13 @@ def _kept_from(each: ReadBack, end: int, trajectory: Trajectory) -> int | None:
 # The ships that a run met: how near each came, and collisions.
 
 
+WAYS: Final = 400  # rows at which the ways of ships are looked at
 POSE: Final = ("x", "y", "z", "phi", "theta", "psi")
 MARKED: Final = re.compile(r"contact\b.*?(\d{1,3}(?:\.\d+)?)\s*", re.IGNORECASE)
 AIMED: Final = math.radians(3.0)  # [rad] between a mark's bearing and the ship's
+LOOKOUT: Final = "scope"  # the role whose marks of ships count
+LOOK: Final = 10.0  # [s] from look to look, for what a raised mast would have shown
+MISSED: Final = 120.0  # [s] that a ship would have been in sight for, to be missed
 
 
 @dataclass(frozen=True)
@@ -250,6 +255,40 @@ class Met:
     closest: dict[str, tuple[float, int]] = field(default_factory=dict)  # [m] and tick, by name
     collisions: tuple[tuple[int, str], ...] = ()  # ticks and names
     collision: str = "call"  # what the exercise has one do
+
+
+@dataclass(frozen=True)
+class ShipWay:
+    """The way of a ship [m], at rows of the passage and their times [s]."""
+
+    name: str
+    rows: NDArray[np.int64]
+    seconds: Numbers
+    north: Numbers
+    east: Numbers
+
+
+def ways_of_ships(trajectory: Trajectory) -> list[ShipWay]:
+    """Return the ways of all ships of a passage, at some WAYS rows each."""
+    contacts = contacts_in(trajectory.boat)
+    every = max(trajectory.ticks.size // WAYS, 1)
+    found: dict[str, list[tuple[float, ...]]] = {}
+    for row in range(0, trajectory.ticks.size, every):
+        for ship in contacts.seen(int(trajectory.ticks[row])) if contacts else ():
+            found.setdefault(ship.name, []).append((row, ship.north, ship.east))
+    return [_way(trajectory, name, np.array(places)) for name, places in found.items()]
+
+
+def _way(trajectory: Trajectory, name: str, places: Numbers) -> ShipWay:
+    rows = places[:, 0].astype(np.int64)
+    return ShipWay(name, rows, trajectory.seconds[rows], places[:, 1], places[:, 2])
+
+
+def place_of_ship(trajectory: Trajectory, name: str, tick: int) -> tuple[float, float] | None:
+    """Return where a ship was at a tick, north and east [m]. None: it was not there."""
+    contacts = contacts_in(trajectory.boat)
+    ships = contacts.seen(tick) if contacts else ()
+    return next(((each.north, each.east) for each in ships if each.name == name), None)
 
 
 def meet(trajectory: Trajectory) -> Met:
@@ -273,11 +312,23 @@ def meet(trajectory: Trajectory) -> Met:
 
 @dataclass(frozen=True)
 class Detection:
-    """A ship that came in sight, and when it was marked, if ever."""
+    """A ship, and when it was in sight and was marked.
+
+    It was in sight, or would have been of a mast that is up.
+    """
 
     name: str
-    seen: int  # tick
+    there: int  # tick from which a mast that is up shows it
+    seen: int | None  # tick at which it came in sight; None: nobody looked
     marked: int | None
+
+
+@dataclass(frozen=True)
+class LookOut:
+    """The ships of a look-out, and the ticks of marks that meant none."""
+
+    ships: tuple[Detection, ...] = ()
+    false: tuple[int, ...] = ()
 
 
 def masts(trajectory: Trajectory, scope: Periscope) -> list[Mast]:
@@ -295,23 +346,40 @@ def shown(trajectory: Trajectory) -> tuple[Rows, Numbers]:
     return out & (eye_heights(trajectory) > 0.0), np.array([float(mast.raised) for mast in stood])
 
 
-def detections(trajectory: Trajectory) -> list[Detection]:
-    """Return the ships that came in sight, in that order, each with its mark."""
+def look_out(trajectory: Trajectory) -> LookOut:
+    """Return the ships in sight, or that could have been for MISSED, with marks."""
     scope = periscope_of(trajectory.boat)
     if scope is None:
-        return []
-    first: dict[str, int] = {}
-    heights, rows = eye_heights(trajectory), shown(trajectory)[0]
-    for row in np.flatnonzero(rows).tolist():
-        tick = int(trajectory.ticks[row])
-        eye = scope.place(state_of(trajectory, row), scope.at(tick), float(heights[row]))
-        for sight in scope.sights(eye, scope.at(tick)):
-            first.setdefault(sight.name, tick)
-    marks = marked(trajectory, scope)
-    return [
-        Detection(name, seen, next((t for t, names in marks if t >= seen and name in names), None))
-        for name, seen in first.items()
-    ]
+        return LookOut()
+    rows = np.flatnonzero(shown(trajectory)[0]).tolist()
+    seen: dict[str, int] = {}
+    for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory), up=False):
+        seen.setdefault(name, int(trajectory.ticks[row]))
+    there = {**_could_be_seen(trajectory, scope), **seen}
+    marks, false = _marks(trajectory, scope, seen)
+    ships = (Detection(name, at, seen.get(name), marks.get(name)) for name, at in there.items())
+    return LookOut(tuple(sorted(ships, key=lambda each: each.there)), false)
+
+
+def _could_be_seen(trajectory: Trajectory, scope: Periscope) -> dict[str, int]:
+    """Return the ships that a raised mast shows for MISSED, with the tick at which that began."""
+    every = max(round(LOOK / trajectory.boat.method.step), 1)
+    rows = list(range(0, trajectory.ticks.size, every))
+    found: dict[str, list[int]] = {}
+    for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory, up=True), up=True):
+        found.setdefault(name, []).append(int(trajectory.ticks[row]))
+    return {name: ticks[0] for name, ticks in found.items() if len(ticks) * LOOK >= MISSED}
+
+
+def _sights(
+    trajectory: Trajectory, scope: Periscope, rows: list[int], heights: Numbers, *, up: bool
+) -> Iterator[tuple[int, str]]:
+    """Yield each row with the name of each ship in sight then. ``up``: of a mast all out."""
+    for row in rows:
+        mast = scope.at(int(trajectory.ticks[row]))
+        mast = scope.raised(mast) if up else mast
+        eye = scope.place(state_of(trajectory, row), mast, float(heights[row]))
+        yield from ((row, sight.name) for sight in scope.sights(eye, mast))
 
 
 def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
@@ -319,20 +387,37 @@ def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
     return {name: float(trajectory.columns[name][row]) for name in ("x", "y", "psi", "theta")}
 
 
-def marked(trajectory: Trajectory, scope: Periscope) -> list[tuple[int, list[str]]]:
-    """Return the tick of each mark, and the ships that it may mean."""
-    found = []
-    for mark in trajectory.marks:
-        said = MARKED.match(mark.text)
-        if said:
-            bearing = math.radians(float(said[1]))
-            state = state_of(trajectory, trajectory.row(mark.tick))
-            near = scope.near(state, mark.tick)
-            names = [
-                n for n, true in near if abs(math.remainder(true - bearing, math.tau)) <= AIMED
-            ]
-            found.append((mark.tick, names))
-    return found
+def _marks(
+    trajectory: Trajectory, scope: Periscope, seen: Mapping[str, int]
+) -> tuple[dict[str, int], tuple[int, ...]]:
+    """Return the tick of each ship's first mark, and those of marks that mean no ship seen."""
+    marks: dict[str, int] = {}
+    false = []
+    for tick, bearing in _bearings_marked(trajectory):
+        state = state_of(trajectory, trajectory.row(tick))
+        off = {
+            name: abs(math.remainder(true - bearing, math.tau))
+            for name, true in scope.near(state, tick)
+            if seen.get(name, math.inf) <= tick
+        }
+        nearest = min(off, key=lambda name: off[name], default="")
+        if off.get(nearest, math.inf) <= AIMED:
+            marks.setdefault(nearest, tick)
+        else:
+            false.append(tick)
+    return marks, tuple(false)
+
+
+def _bearings_marked(trajectory: Trajectory) -> Iterator[tuple[int, float]]:
+    """Yield tick and bearing [rad] of each ship that the crew has marked.
+
+    Marks are the periscope's; the instructor's count where nobody else has made any.
+    """
+    said = [(each, MARKED.match(each.text)) for each in trajectory.marks]
+    crew = [(mark, found) for mark, found in said if mark.who.startswith(LOOKOUT)]
+    for mark, found in crew or said:
+        if found:
+            yield mark.tick, math.radians(float(found[1]))
 
 
 # The groundings of a passage: when, how hard, and whether they were meant.

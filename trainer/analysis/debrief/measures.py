@@ -12,9 +12,9 @@ import numpy as np
 
 from trainer.analysis.debrief.episodes import (
     answer_to,
-    detections,
     first_spell,
     groundings,
+    look_out,
     meet,
     shown,
 )
@@ -70,6 +70,7 @@ def time_to(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
     return Attained(seconds, int(ticks[first]))
 
 
+FALSE: Final = 30.0  # [s] for each mark of a ship where none was seen
 THERE: Final = "the boat was there when it was ordered"
 LAST: Final = 120.0  # [s] of a window, in which the boat has to have settled
 
@@ -173,18 +174,25 @@ def exposed_raise(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
 
 
 def time_to_detect(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
-    """Return the longest time [s] from a ship in sight to its mark."""
+    """Return the longest time [s] from a ship in sight to its mark.
+
+    It is longer by FALSE for each mark that meant no ship.
+    """
     looked_at = set(trajectory.ticks[rows].tolist())
-    found = [each for each in detections(trajectory) if each.seen in looked_at]
-    if not found:
+    found = look_out(trajectory)
+    ships = [each for each in found.ships if each.there in looked_at]
+    if not ships:
         return Attained(None, None, "no ship came in sight", counts=False)
-    missed = next((each for each in found if each.marked is None), None)
-    if missed:
-        return Attained(None, missed.seen, f"{missed.name} was not marked")
+    for each in ships:
+        if each.seen is None:
+            return Attained(None, each.there, f"nobody looked for {each.name}")
+        if each.marked is None:
+            return Attained(None, each.seen, f"{each.name} was not marked")
     step = trajectory.boat.method.step
-    times = {each: ((each.marked or 0) - each.seen) * step for each in found}
-    slowest = max(found, key=lambda each: times[each])
-    return Attained(times[slowest], slowest.marked)
+    times = {each: ((each.marked or 0) - (each.seen or 0)) * step for each in ships}
+    slowest = max(ships, key=lambda each: times[each])
+    wrong = sum(tick in looked_at for tick in found.false)
+    return Attained(times[slowest] + FALSE * wrong, slowest.marked)
 
 
 def broaches(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:

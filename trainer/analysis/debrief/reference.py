@@ -105,6 +105,7 @@ def joined(before: Trajectory, after: Trajectory) -> Trajectory:
     return replace(
         after,
         orders=(*orders, *taken),
+        marks=(*(each for each in before.marks if each.tick < after.ticks[0]), *after.marks),
         ticks=np.concatenate((before.ticks[rows], after.ticks)),
         columns={
             name: np.concatenate((before.columns[name][rows], values))

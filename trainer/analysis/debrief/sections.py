@@ -9,7 +9,7 @@ from markupsafe import Markup
 from trainer.analysis.debrief.changes import OUTCOME, WIDTH, Change
 from trainer.analysis.debrief.charts import WRONG, chart_of
 from trainer.analysis.debrief.data import Answered, Compared, DebriefData, deviation_of
-from trainer.analysis.debrief.episodes import SCHEDULE, ReadBack, meet
+from trainer.analysis.debrief.episodes import SCHEDULE, Detection, ReadBack, look_out, meet
 from trainer.analysis.debrief.reference import behind
 from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict
 from trainer.analysis.report.html import paragraph, table
@@ -308,18 +308,37 @@ def _casualty(debrief: DebriefData, i: int, each: Answered) -> tuple[str, ...]:
 
 def ships(debrief: DebriefData) -> Markup:
     """Return the table of the ships that were met, the nearest first; empty without any."""
-    met = meet(debrief.trajectory)
+    met, looked = meet(debrief.trajectory), look_out(debrief.trajectory)
     if not met.closest:
         return Markup()
+    found = {each.name: each for each in looked.ships}
     rows = [
-        (name, f"{apart:.0f} m", place(debrief, tick))
+        (name, f"{apart:.0f} m", place(debrief, tick), *_detected(debrief, found.get(name)))
         for name, (apart, tick) in sorted(met.closest.items(), key=lambda each: each[1])
     ]
-    struck = [
+    told = [
         f"Collision with {name} at {clock(tick * debrief.step)}." for tick, name in met.collisions
     ]
-    told = Markup().join(map(paragraph, struck))
-    return told + table(("ship", "closest approach", "when"), rows, "")
+    if looked.false:
+        told.append(f"Marked where no ship was seen: {_clocks(debrief, looked.false)}.")
+    headings = ("ship", "closest approach", "when", "in sight from", "marked", "after")
+    return Markup().join(map(paragraph, told)) + table(headings, rows, "")
+
+
+def _detected(debrief: DebriefData, found: Detection | None) -> tuple[str, str, str]:
+    """Return when a ship came in sight, when it was marked, and how long after."""
+    if found is None:
+        return "-", "-", "-"
+    if found.seen is None:
+        return "nobody looked", "-", "-"
+    if found.marked is None:
+        return place(debrief, found.seen), "no", "-"
+    after = f"{(found.marked - found.seen) * debrief.step:g} s"
+    return place(debrief, found.seen), place(debrief, found.marked), after
+
+
+def _clocks(debrief: DebriefData, ticks: tuple[int, ...]) -> str:
+    return ", ".join(clock(tick * debrief.step) for tick in ticks)
 
 
 def marks(debrief: DebriefData) -> Markup:

@@ -150,8 +150,8 @@ def showing(trajectory: Trajectory) -> Numbers:
     return lifted - column["z"] - column["eta_wave"]
 
 
-def eye_heights(trajectory: Trajectory) -> Numbers:
-    """Return the height [m] of the periscope's head over the waves.
+def eye_heights(trajectory: Trajectory, *, up: bool = False) -> Numbers:
+    """Return the height [m] of the periscope's head over the waves. ``up``: as if all out.
 
     It is NaN for a boat without one.
     """
@@ -159,7 +159,8 @@ def eye_heights(trajectory: Trajectory) -> Numbers:
     if scope is None:
         return np.full(trajectory.ticks.size, np.nan)
     x, foot = scope.head(Mast())
-    out = np.array([scope.at(tick).out for tick in trajectory.ticks.tolist()])
+    stood = [scope.at(tick) for tick in trajectory.ticks.tolist()]
+    out = np.array([(scope.raised(mast) if up else mast).out for mast in stood])
     upright = np.cos(column["theta"]) * np.cos(column["phi"])
     lifted = x * np.sin(column["theta"]) - (foot - out) * upright
     return np.asarray(lifted - column["z"] - column["eta_wave"])

@@ -21,8 +21,10 @@ from trainer.core.kernel import Numbers
 STILL: Final = 0.1  # [m/s] of relative speed, below which there is no time of closest approach
 BENT: Final = 0.1  # [-] of the limit: where arcs leave straight lines by more, they are followed
 ARCS: Final = np.arange(5.0, 1201.0, 5.0)  # [s] ahead
-AGAIN: Final = 0.2  # [-] change of the closest approach that is called again
-LEAST: Final = 0.1  # [-] of the limit: approaches below it count as this close
+STEADY: Final = math.radians(0.1)  # [rad/s] of the boat, below which waves turn it to and fro
+MEAN: Final = 20.0  # [s] over which the boat's own course and turn are taken, for calls
+CLEAR: Final = 30.0  # [s] without an approach to be called, after which one is news again
+AGAIN: Final = 0.2  # [-] of the limit: change of the closest approach that is called again
 
 
 class Own(NamedTuple):
@@ -94,6 +96,7 @@ def closest_approach(
 
 def plot(own: Own, there: Situation, limit: float) -> Plot:
     """Return how ships bear from the boat; ``limit`` [m] decides whether straight lines hold."""
+    own = own if abs(own.turning) >= STEADY else own._replace(turning=0.0)
     north, east = there.north - own.north, there.east - own.east
     v_north, v_east = there.velocity()
     v_north -= own.speed * math.cos(own.course)
@@ -154,8 +157,10 @@ class EncounterMonitor:
     nearest: tuple[str, float] = "", math.inf  # ship and range [m] in the last tick
     closest: dict[str, tuple[float, int]] = field(default_factory=dict)  # [m] and tick, by name
     called: dict[str, float] = field(default_factory=dict)  # [m] as it was called last
+    clear_since: dict[str, float] = field(default_factory=dict)  # [s] since when none is, by name
     touching: set[str] = field(default_factory=set)
     _pose: Pose | None = None  # of the boat in the tick before
+    _past: list[Pose] = field(default_factory=list, repr=False)  # of the last MEAN
 
     @classmethod
     def over(cls, boat: Any) -> "EncounterMonitor":
@@ -174,7 +179,7 @@ class EncounterMonitor:
         """Take the boat as it is, after a jump in time. Nothing is measured over it."""
         self.struck, self.nearest = "", ("", math.inf)
         self._pose = Pose.of(boat.state) if self.contacts else None
-        for kept in (self.closest, self.called, self.touching):
+        for kept in (self.closest, self.called, self.clear_since, self.touching, self._past):
             kept.clear()
 
     def look(self, boat: Any) -> list[str]:
@@ -236,11 +241,12 @@ class EncounterMonitor:
     def _calls(self, boat: Any, contacts: Contacts) -> list[str]:
         """Return each closest approach that is to be called now."""
         rules, tick = self.rules, boat.ticks
-        fleet, own = contacts.fleet(tick), Own.of(boat.state)
+        fleet, own = contacts.fleet(tick), self._own(boat)
         seen = plot(own, contacts.at(tick), rules.cpa_m)
-        soon = (seen.until >= 0.0) & (seen.until < rules.warn_s) & (seen.closest < rules.cpa_m)
-        for name in [ship.name for i, ship in enumerate(fleet.order) if not soon[i]]:
-            self.called.pop(name, None)
+        ahead = (seen.until >= 0.0) & (seen.until < rules.warn_s)
+        soon = ahead & (seen.closest < rules.cpa_m)
+        over = ~ahead | (seen.closest > (1.0 + AGAIN) * rules.cpa_m)
+        self._forget([ship.name for i, ship in enumerate(fleet.order) if over[i]], boat.time)
         news = []
         for i in np.flatnonzero(soon).tolist():
             name, closest = fleet.order[i].name, float(seen.closest[i])
@@ -249,14 +255,32 @@ class EncounterMonitor:
                 news.append(_call(fleet.order[i], Plot(*(each[i] for each in seen))))
         return news
 
+    def _forget(self, over: list[str], time: float) -> None:
+        """Let approaches be news again that have been over, or none, for CLEAR at a time [s]."""
+        self.clear_since = {name: self.clear_since.get(name, time) for name in over}
+        for name, since in self.clear_since.items():
+            if time - since >= CLEAR:
+                self.called.pop(name, None)
+
+    def _own(self, boat: Any) -> Own:
+        """Return how the boat goes on the mean of the last MEAN: waves swing it to and fro."""
+        own = Own.of(boat.state)._replace(turning=0.0)
+        self._past.append(Pose.of(boat.state))
+        count = round(MEAN / boat.method.step)
+        if boat.state["held_position"] or len(self._past) <= count:
+            return own
+        first, last = self._past[-count - 1], self._past[-1]
+        self._past = self._past[-count:]
+        seconds = count * boat.method.step
+        north, east = (last.north - first.north) / seconds, (last.east - first.east) / seconds
+        turned = math.remainder(last.heading - first.heading, math.tau)
+        course, speed = math.atan2(east, north), math.hypot(north, east)
+        return own._replace(course=course, speed=speed, turning=turned / seconds)
+
     def _is_news(self, name: str, closest: float) -> bool:
         """Return whether a closest approach [m] has not been called yet, or has changed."""
-        least = LEAST * self.rules.cpa_m
         before = self.called.get(name)
-        if before is None:
-            return True
-        change: float = abs(max(closest, least) - max(before, least))
-        return change > AGAIN * max(before, least)
+        return before is None or abs(closest - before) > AGAIN * self.rules.cpa_m
 
     def account(self) -> str:
         """Return the closest that each ship has been, in words."""

@@ -188,6 +188,10 @@ class Periscope:
         out = last.out + way if last.up else last.out - way
         return last._replace(tick=tick, out=min(max(out, 0.0), self._fitted.extension_m))
 
+    def raised(self, mast: Mast) -> Mast:
+        """Return a mast as it would stand all out."""
+        return mast._replace(out=self._fitted.extension_m if self._fitted else 0.0)
+
     def head(self, mast: Mast) -> tuple[float, float]:
         """Return where the head is [m], body axes x and z."""
         place = self._fitted.x_m if self._fitted else float(self._boat.vessel.x_sail)

@@ -182,13 +182,15 @@ def periscope(model: SessionModel, width: int, height: int) -> Lines:
     def said(name: str) -> str:
         return picture.word("scope", name) or "-"
 
-    optics = f" bearing {said('bearing')}  train {said('train')}  power {said('power')}"
+    towards = picture.number("scope", "bearing")
+    bearing = "-" if towards is None else f"{round(towards) % 360:03d}"
+    optics = f" bearing {bearing}  off the bow {said('train')} deg  power {said('power')} x"
     mast = f" mast {said('going')}, {said('mast')} m out  view {said('view')}"
     lines = [
         *instruments(model, width, large=height >= PLANES),
         line((optics, "bright")),
         line((mast, "bright")),
-        line((f" in sight: {picture.word('scope', 'sighted') or 'nothing'}", "bright")),
+        line((f" in the view: {picture.word('scope', 'sighted') or 'nothing'}", "bright")),
     ]
     return [fit(each, width) for each in lines[:height]]
 

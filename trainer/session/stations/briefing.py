@@ -72,6 +72,11 @@ class Briefing:
 
 
 SIDES: Final = {"max": "at most", "min": "at least"}
+LIMITED: Final = {  # quantities of limits that have another name among people
+    "cpa": "range to a ship",
+    "clearance": "water under the keel",
+    "speed_over_ground": "speed over the ground",
+}
 
 
 def in_words(facts: Iterable[tuple[str, str]]) -> list[str]:
@@ -93,7 +98,7 @@ def limit_in_words(name: str, value: str) -> str:
     """Return a limit such as depth_m_max in words."""
     what, unit, end = name.rsplit("_", 2)
     unit = "" if unit == "level" else f" {unit}"
-    return f"{what.replace('_', ' ')} {SIDES[end]} {value}{unit}"
+    return f"{LIMITED.get(what, what.replace('_', ' '))} {SIDES[end]} {value}{unit}"
 
 
 TITLES: Final = {

@@ -12,7 +12,7 @@ import numpy as np
 
 from trainer.boat.world.contacts import contacts_in
 from trainer.boat.world.encounters import Own, plot
-from trainer.boat.world.scope import SHOWS, Mast, Periscope, Sight, periscope_of
+from trainer.boat.world.scope import FIELDS, SHOWS, Mast, Periscope, Sight, periscope_of
 from trainer.boat.world.swell import Swell, swell_round
 from trainer.session.stations.panels import Channel, Field, Value, compass, word
 from trainer.session.stations.view import Frame
@@ -157,10 +157,14 @@ def view(stands: Mast, frame: Frame) -> Value:
 
 
 def sighted(frame: Frame) -> Value:
-    """Return the ships in sight with their bearings by the gyro, in words."""
+    """Return the ships in the view with their bearings by the gyro, in words."""
+    stands = mast(frame)
+    half = 0.5 * FIELDS[stands.power] if stands else 0.0
+    train = stands.train if stands else 0.0
     told = (
         f"{each.type} {compass(frame.readings.heading + each.train, 0):03.0f}"
         for each in sights(frame)[:SHOWN]
+        if abs(math.remainder(each.train - train, math.tau)) <= half
     )
     return "; ".join(told) or None
 

@@ -1,7 +1,13 @@
 // The briefing: what the exercise is about before it begins, how it stands, and its marks at the end.
+import { CREW } from "./model/crew.js";
 import { clock, html, one, write } from "./draw.js";
 
-const CREW = ["helm", "planes", "pilot", "ballast", "diving"];
+/** @type {Record<string, string>} quantities of limits that have another name among people */
+const NAMES = {
+  cpa: "range to a ship",
+  clearance: "water under the keel",
+  speed_over_ground: "speed over the ground",
+};
 
 /** @typedef {import("./model/session.js").Session} Session */
 
@@ -58,7 +64,7 @@ function text(session) {
     ["By hand", (exercise.hand ?? "").replaceAll(",", ", ")],
     ["Won by", (told.wins ?? []).join("; ")],
     ["Lost by", (told.lost ?? []).join("; ")],
-    ["Limits", (exercise.limits ?? "").split(",").map(limit).filter(Boolean).join(", ")],
+    ["Limits", limitsInWords(exercise.limits)],
     ["Length", exercise.duration ? clock(Number(exercise.duration)) : ""],
   ];
   const rows = facts
@@ -68,10 +74,17 @@ function text(session) {
   return parts;
 }
 
+/** Returns limits such as `depth_m_max:130,pitch_deg_max:15` in words. @param {string} [told] */
+export function limitsInWords(told = "") {
+  return told.split(",").map(limit).filter(Boolean).join(", ");
+}
+
 /** Returns a limit such as `depth_m_max:130` in words. @param {string} told */
 function limit(told) {
   const [name, value] = told.split(":");
-  const [what, unit, end] = name.split("_");
+  const parts = name.split("_");
+  const [unit, end] = parts.splice(-2);
   if (!value) return "";
+  const what = NAMES[parts.join("_")] ?? parts.join(" ");
   return `${what} at ${end === "min" ? "least" : "most"} ${value}${unit === "level" ? "" : ` ${unit}`}`;
 }

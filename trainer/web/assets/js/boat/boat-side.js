@@ -1,6 +1,6 @@
 // The boat in the water from the side: true angles and one scale, before a ladder of depth.
 import { sided, svg } from "../draw.js";
-import { Hull, LENGTH } from "./hull.js";
+import { Hull, KEEL, LENGTH } from "./hull.js";
 import { Water } from "./water.js";
 
 const KNOT = 0.514444; // [m/s]
@@ -14,8 +14,8 @@ const WORDS = 2000; // [ms] between descriptions
  * What is known of the boat; null is not known, and is not drawn.
  * @typedef {{ depth: number | null, pitch: number | null, speed?: number | null,
  *   stern?: number | null, bow?: number | null, ordered?: number | null, limit?: number | null,
- *   surface?: number | null }} Seen
- * Depth, ordered depth and limit [m]; pitch, bow up positive, and planes, rise positive [deg];
+ *   surface?: number | null, clearance?: number | null }} Seen
+ * Depth, ordered depth, limit, and clearance of the keel over the ground [m]; pitch, bow up positive, and planes, rise positive [deg];
  * speed [kn]; surface: the elevation of the sea over the boat [m].
  */
 
@@ -65,12 +65,18 @@ export class BoatSide extends HTMLElement {
     this.shownAt = now;
     const view = this.view(seen.depth ?? 0);
     const speed = this.calm.matches ? 0 : (seen.speed ?? 0);
-    this.water.place(view, seen.ordered ?? null, seen.limit ?? null, this.words);
+    this.water.place(view, seen.ordered ?? null, seen.limit ?? null, this.words, this.ground);
     this.water.flow(view, this.calm.matches ? 0 : passed, speed * KNOT, seen.surface ?? 0);
     this.place(seen, view);
     this.hull.turnPlanes(seen.stern ?? null, seen.bow ?? null);
     this.hull.turnPropeller(speed, passed);
     if (now - this.described >= WORDS) this.describe(now);
+  }
+
+  /** The depth of the ground under the keel as it is drawn [m], null where none is known. */
+  get ground() {
+    const { depth, clearance = null } = this.seen;
+    return depth === null || clearance === null ? null : depth + (KEEL * this.length) / LENGTH + clearance;
   }
 
   /**

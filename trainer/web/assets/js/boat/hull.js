@@ -2,6 +2,7 @@
 import { svg } from "../draw.js";
 
 export const LENGTH = 70; // [m] of the hull that the shapes below have
+export const KEEL = 4.8; // [m] of it below its axis
 
 const HULL =
   "M-35 0C-30 -2.3 -21 -4.8 -9 -4.8H18C28 -4.8 35 -2.9 35 0C35 2.9 28 4.8 18 4.8H-9C-21 4.8 -30 2.3 -35 0Z";

@@ -13,7 +13,7 @@ const RAYS = ["M-30 0L-62 60H-40L-22 0Z", "M-4 0L-18 74H4L6 0Z", "M22 0L30 52H44
 let made = 0;
 
 /**
- * @typedef {{ surface: string, ordered: string, limit: string, metres: string }} Words
+ * @typedef {{ surface: string, ordered: string, limit: string, metres: string, ground?: string }} Words
  * @typedef {{ width: number, height: number, scale: number, top: number, text: number }} View
  * Width and height [px], scale [px/m], the depth at the upper edge [m], the size of text [px].
  */
@@ -52,7 +52,8 @@ export class Water {
     this.veil = svg("path", { fill: `url(#${veil})` }); // water between us and the boat, near the surface
     this.ordered = svg("line", { class: "ordered-depth" });
     this.labels = svg("g", { class: "labels" });
-    this.before = svg("g", {}, this.veil, this.crest, this.ordered, this.labels);
+    this.ground = svg("g", { class: "ground", hidden: true }, svg("rect"), svg("text"));
+    this.before = svg("g", {}, this.veil, this.crest, this.ordered, this.labels, this.ground);
     this.defs = defs;
     this.drawn = "";
     this.moved = 0; // [m] past the boat
@@ -67,13 +68,15 @@ export class Water {
    * @param {number | null} ordered [m]
    * @param {number | null} limit [m]
    * @param {Words} words
+   * @param {number | null} [ground] [m] depth of it under the boat
    */
-  place(view, ordered, limit, words) {
+  place(view, ordered, limit, words, ground = null) {
     const { width, height, scale, top } = view;
     const step = stepOf(view);
     const first = Math.floor(top / step);
     const drawn = [width, height, scale, first, ordered, limit, ...Object.values(words)].join();
     const lift = `translate(0 ${(-top * scale).toFixed(1)})`;
+    this.drawGround(view, ground, words);
     for (const each of [this.ladder, this.limit, this.ordered, this.labels]) {
       each.setAttribute("transform", lift);
     }
@@ -147,6 +150,17 @@ export class Water {
     const most = view.top * view.scale + 2 * view.height;
     set(shade, { x: 0, y, width: view.width, height: Math.max(most - y, 0) });
     this.drawLine(line, view, limit);
+  }
+
+  /** Draws the ground under the boat, where it is in the view. @param {View} view @param {number | null} depth @param {Words} words */
+  drawGround({ width, height, scale, top, text }, depth, words) {
+    const y = ((depth ?? 0) - top) * scale;
+    this.ground.toggleAttribute("hidden", depth === null || y > height);
+    if (depth === null) return;
+    const [earth, says] = /** @type {SVGElement[]} */ ([...this.ground.children]);
+    set(earth, { x: 0, y, width, height: Math.max(height - y, 0) });
+    set(says, { x: 0.7 * text, y: Math.min(y + 1.2 * text, height - 0.3 * text) });
+    says.textContent = words.ground ?? "ground";
   }
 
   /** @param {View} view @param {number} depth @param {"ordered" | "limit"} kind @param {Words} words */

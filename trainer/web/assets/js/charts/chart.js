@@ -10,6 +10,7 @@ const SMALLEST = 4; // [px] of a side that is worth drawing on
 
 /** A canvas that fills its element, sharp at every size, drawn anew when size or palette change. */
 export class Chart extends HTMLElement {
+  clears = true; // before it is drawn anew
   finest = Infinity; // [px] of the longer side: a larger picture is drawn so fine, and stretched
 
   connectedCallback() {
@@ -37,7 +38,7 @@ export class Chart extends HTMLElement {
     const style = getComputedStyle(this);
     const size = Math.max(11, parseFloat(style.fontSize) * 0.78);
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.clearRect(0, 0, width, height);
+    if (this.clears) pen.clearRect(0, 0, width, height);
     pen.font = `400 ${size}px ${style.fontFamily}`;
     pen.textBaseline = "middle";
     const colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();

@@ -1,5 +1,6 @@
 // The exercise from its choice to its debrief: cards, briefing, who is ready, outcome and marks.
 import { clock, html, one, write } from "../draw.js";
+import { limitsInWords } from "../briefing.js";
 import { showBeside } from "./desk.js";
 import { askAboard } from "./log.js";
 import { lapseTo } from "./time.js";
@@ -181,7 +182,7 @@ class ExerciseWindow {
       ["Wins", told.wins?.join(", ")],
       ["Loses", told.lost?.join(", ")],
       ["By hand", exercise.hand?.replaceAll(",", ", ")],
-      ["Limits", exercise.limits?.replaceAll(",", ", ").replaceAll(":", " ").replaceAll("_", " ")],
+      ["Limits", limitsInWords(exercise.limits)],
     ];
     return { title: exercise.title, body: [sides, table(rules), ...this.aboard()], keys };
   }

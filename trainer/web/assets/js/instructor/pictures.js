@@ -3,7 +3,7 @@ import { before } from "../model/history.js";
 import { html, one } from "../draw.js";
 import { PLACES } from "./moment.js";
 import { paced } from "./desk.js";
-import { shipsOf } from "./ships.js";
+import { shipsOf, shipsThen } from "./ships.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
@@ -166,7 +166,7 @@ function drawTrack({ session, moment }) {
     if (times[at] >= moment.seconds - RECENT) recent += 1;
   }
   const ordered = moment.first(...PLACES.heading.slice(1));
-  const ships = moment.looking ? [] : shipsOf(session);
+  const ships = moment.looking ? shipsThen(moment.row("contacts")) : shipsOf(session);
   chart.show(places, moment.number("motion.heading"), { ordered, recent, ships });
 }
 
@@ -192,7 +192,8 @@ export function showAttitude({ session, moment }, motion) {
     const limit = limitOf(session, "depth_m_max");
     const speed = moment.number("motion.speed");
     const surface = moment.number("sea.elevation");
-    side.show?.({ depth, pitch, speed, stern: value("stern"), bow, ordered, limit, surface });
+    const clearance = moment.number("motion.clearance");
+    side.show?.({ depth, pitch, speed, stern: value("stern"), bow, ordered, limit, surface, clearance });
     stern.show?.({ heel: value("heel"), rudder: value("rudder") });
   };
   motion.addEventListener("frame", draw);

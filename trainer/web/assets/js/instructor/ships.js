@@ -1,4 +1,4 @@
-// The ships near: where each bears, how near it will come and when.
+// The ships near: where each bears, how near it will come and when; and the orders that change them.
 import { bearing, clock, html, one, write } from "../draw.js";
 import { paced } from "./desk.js";
 
@@ -11,6 +11,7 @@ import { paced } from "./desk.js";
 const MOST = 8; // ships of the channel
 const DIGITS = 500; // [ms] between changes of digits
 const MILE = 1852; // [m]
+const NEW = "new "; // before a type, in the choice of ships
 
 /** Returns the ships near, the nearest first. @param {Desk["session"]} session @returns {Ship[]} */
 export function shipsOf(session) {
@@ -27,8 +28,21 @@ export function shipsOf(session) {
     });
 }
 
+/** Returns the places of ships as they were; a past has numbers alone. @param {Record<string, number>} [row] */
+export function shipsThen(row = {}) {
+  const places = Array.from({ length: MOST }, (_, at) => `contact_${at + 1}`);
+  return places
+    .filter((place) => row[`${place}_range`] !== undefined)
+    .map((place) => {
+      const [from, range, course] = ["bearing", "range", "course"].map((field) => row[`${place}_${field}`] ?? 0);
+      return { name: "", bearing: from, range, course };
+    });
+}
+
 /** Fills the tab of the ships, and keeps it filled. @param {Desk} desk */
-export function showShips({ session }) {
+export function showShips(desk) {
+  const { session } = desk;
+  const choice = furnishOrders(desk);
   const body = one("#ships tbody");
   const lines = Array.from({ length: MOST }, () => {
     const cells = Array.from({ length: 6 }, () => html("td"));
@@ -40,16 +54,91 @@ export function showShips({ session }) {
     const ships = shipsOf(session);
     one("#no-ships").hidden = ships.length > 0;
     one("#ships").hidden = ships.length === 0;
+    choice.offer(ships);
     lines.forEach(({ head, cells, line }, at) => {
       const ship = ships[at];
       line.hidden = !ship;
       if (!ship) return;
       write(head, ship.name);
       head.title = ship.type;
+      line.onclick = () => choice.choose(ship);
       says(ship).forEach((text, column) => write(cells[column], text));
     });
   });
   session.on("tick", fill);
+}
+
+/** Furnishes the orders to ships: a new one, or one of those near. @param {Desk} desk */
+function furnishOrders(desk) {
+  const chosen = /** @type {HTMLSelectElement} */ (one("#ship"));
+  /** @type {[string, string][]} */
+  const types = JSON.parse(one("#ship-types").textContent ?? "[]");
+  const kinds = types.map(([type]) => html("option", { value: NEW + type }, `a new ${type}`));
+  /** @type {Ship[]} */
+  let near = [];
+  const field = (/** @type {string} */ of) => /** @type {HTMLInputElement} */ (one(`#ship-${of}`));
+  const said = (/** @type {string} */ of) => field(of).value.trim() || "0";
+  const isNew = () => chosen.value.startsWith(NEW);
+  const furnish = () => {
+    one("#ship-add").hidden = !isNew();
+    for (const each of ["move", "turn", "go", "remove"]) one(`#ship-${each}`).hidden = isNew();
+  };
+  const give = (/** @type {string} */ words) => void desk.give(`contact ${words}`);
+  const place = () => placeAt(desk, Number(said("bearing")), Number(said("range")));
+  const add = () => {
+    const type = chosen.value.slice(NEW.length);
+    const name = newName(type, near);
+    give(`add ${name} ${type} at ${place()} course ${said("course")} speed ${said("speed")}`);
+  };
+  one("#ship-orders").onsubmit = (event) => {
+    event.preventDefault();
+    if (isNew()) add();
+  };
+  one("#ship-move").onclick = () => give(`${chosen.value} move ${place()}`);
+  one("#ship-turn").onclick = () => give(`${chosen.value} course ${said("course")}`);
+  one("#ship-go").onclick = () => give(`${chosen.value} speed ${said("speed")}`);
+  one("#ship-remove").onclick = () => give(`${chosen.value} remove`);
+  chosen.onchange = furnish;
+  chosen.append(...kinds);
+  furnish();
+  return {
+    /** Offers the ships near beside new ones. @param {Ship[]} ships */
+    offer(ships) {
+      const names = ships.map(({ name }) => name).toSorted();
+      const same = names.join() === near.map(({ name }) => name).toSorted().join();
+      near = ships;
+      if (same) return;
+      const before = chosen.value;
+      chosen.replaceChildren(...names.map((name) => html("option", {}, name)), ...kinds);
+      chosen.value = before;
+      if (chosen.selectedIndex < 0) chosen.selectedIndex = 0;
+      furnish();
+    },
+    /** Fills the fields by a ship of the list. @param {Ship} ship */
+    choose(ship) {
+      chosen.value = ship.name;
+      const fields = { bearing: bearing(ship.bearing), range: String(ship.range), course: bearing(ship.course) };
+      for (const [of, value] of Object.entries({ ...fields, speed: ship.speed.toFixed(1) })) {
+        field(of).value = value;
+      }
+      furnish();
+    },
+  };
+}
+
+/** Returns a place as orders have it, metres from the origin. @param {Desk} desk @param {number} from [deg] @param {number} range [m] */
+function placeAt({ session }, from, range) {
+  const angle = (from * Math.PI) / 180;
+  const [north, east] = ["north", "east"].map((axis) => session.number(`motion.${axis}`) ?? 0);
+  return `${Math.round(north + range * Math.cos(angle))} ${Math.round(east + range * Math.sin(angle))}`;
+}
+
+/** Returns a name that no ship near has. @param {string} type @param {Ship[]} ships */
+function newName(type, ships) {
+  const taken = new Set(ships.map(({ name }) => name));
+  let number = 1;
+  while (taken.has(`${type}${number}`)) number += 1;
+  return `${type}${number}`;
 }
 
 /** Returns the cells of a ship. @param {Ship} ship */

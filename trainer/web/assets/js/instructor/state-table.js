@@ -61,6 +61,8 @@ export function showState(desk) {
   const { session, moment } = desk;
   const rows = ROWS.map((row) => {
     const cells = [html("td"), html("td", { class: "ordered" }), html("td")];
+    cells[1].hidden = Boolean(row.also); // nothing is ordered there: the words have both columns
+    if (row.also) cells[2].setAttribute("colspan", "2");
     const line = html("tr", { "data-of": row.of }, html("th", { scope: "row" }, row.name), ...cells);
     return { row, line, cells };
   });

@@ -7,7 +7,7 @@ const ADDRESSED = {
   depth: ["planes", "pilot", "diving"],
   pitch: ["planes", "pilot", "diving"],
 };
-const CREW = ["helm", "planes", "pilot", "ballast", "diving"];
+export const CREW = ["helm", "planes", "pilot", "ballast", "diving", "scope"];
 
 /** @typedef {{ seconds: number, axis: string, says: string }} CrewOrder */
 

@@ -14,12 +14,13 @@ const WINDOW = 0.12; // [m] half the height of the glass
 /** @type {Record<string, number>} width of the view [rad] by power */
 const FIELDS = { 1.5: 32 * DEGREE, 6: 8 * DEGREE };
 const FINEST = 720; // [px] of a side: a soft picture, which changes whole fifteen times a second
+const OPEN = 3; // ticks either side of the middle, between which the level wire is left out
 const OVERLAP = 1.06; // of what is drawn over what is seen, for a view that rolls
 
 /**
  * @typedef {import("./ships.js").Sight} Sight
  * @typedef {import("./water.js").Colours & { high: string, low: string, ship: number, lamps: boolean,
- *   under: string, wire: string, stars: boolean }} Light of a time of day
+ *   under: string, wire: string, ink: string, stars: boolean }} Light of a time of day
  * @typedef {object} Scene what there is to see
  * @property {string} view down, washed, shakes, clear, or "" where there is no periscope
  * @property {string} words where nothing is seen
@@ -31,23 +32,26 @@ const OVERLAP = 1.06; // of what is drawn over what is seen, for a view that rol
  * @property {number} seconds of the boat's time
  * @property {Sight[]} ships
  * @property {boolean} still nothing is to move by itself
+ *
+ * @typedef {{ scene: Scene, light: Light, radius: number, name: string }} Wired wires and tube, and
+ *   the name of their light and power
  */
 
 /** @type {Record<string, Light>} */
 const LIGHTS = {
   day: {
     ...{ high: "#6f9dc4", low: "#dfe9ee", far: "#a9bfc9", dark: "#14424f", mean: "#2f6a78" },
-    ...{ light: "#8fb3bb", foam: "#ffffff", under: "#1e6a66", wire: "#101418" },
+    ...{ light: "#8fb3bb", foam: "#ffffff", under: "#1e6a66", wire: "#101418", ink: "#f4f1e4" },
     ...{ ship: 1, lamps: false, stars: false },
   },
   dusk: {
     ...{ high: "#26405f", low: "#e3a276", far: "#8d7f80", dark: "#0d1f2b", mean: "#2b4553" },
-    ...{ light: "#a08d86", foam: "#e8dcd3", under: "#123f44", wire: "#0b0d10" },
+    ...{ light: "#a08d86", foam: "#e8dcd3", under: "#123f44", wire: "#0b0d10", ink: "#f4f1e4" },
     ...{ ship: 0.42, lamps: true, stars: false },
   },
   night: {
     ...{ high: "#04060b", low: "#151c28", far: "#10161f", dark: "#020406", mean: "#0a1017" },
-    ...{ light: "#1d2733", foam: "#4a5765", under: "#03100f", wire: "#8c2019" },
+    ...{ light: "#1d2733", foam: "#4a5765", under: "#03100f", wire: "#8c2019", ink: "#e8352a" },
     ...{ ship: 0.06, lamps: true, stars: true },
   },
 };
@@ -57,11 +61,14 @@ class ScopeView extends Chart {
   constructor() {
     super();
     this.finest = FINEST;
+    this.clears = false; // all of it is painted
     this.sea = new Sea();
     this.water = new Water();
     /** @type {Scene | null} */
     this.scene = null;
     this.mask = document.createElement("canvas");
+    this.made = ""; // of what size, power and palette it is
+    this.looks = ""; // of the scene that is drawn
     this.washed = -Infinity; // [s] when the glass was last under water
     this.eye = 0; // [m] over the waves
   }
@@ -71,10 +78,13 @@ class ScopeView extends Chart {
     this.canvas?.getContext("2d", { alpha: false }); // what is behind it need not be mixed in
   }
 
-  /** @param {Scene} scene */
+  /** Draws a scene, if it looks otherwise than the one before. @param {Scene} scene */
   show(scene) {
+    const looks = looksOf(scene);
+    const same = looks === this.looks && scene.ships === this.scene?.ships;
     this.scene = scene;
-    this.draw();
+    this.looks = looks;
+    if (!same) this.draw();
   }
 
   draw() {
@@ -83,13 +93,15 @@ class ScopeView extends Chart {
     if (!scene || !area) return;
     const { pen, width, height } = area;
     const radius = 0.5 * Math.min(width, height) - 2;
-    const light = LIGHTS[document.documentElement.dataset.palette ?? "dusk"] ?? LIGHTS.dusk;
+    const palette = document.documentElement.dataset.palette ?? "dusk";
+    const light = LIGHTS[palette] ?? LIGHTS.dusk;
     const shown = scene.view === "" || scene.view === "down" ? "dark" : this.look(scene, area, radius, light);
     this.dataset.view = shown;
-    if (shown === "dark") this.tell(area, scene.words);
+    if (shown === "dark") this.tell(area, scene.words, light.ink);
     else {
-      wires(area, scene, radius, light);
-      this.cover(pen);
+      this.cover(area, { scene, light, radius, name: `${palette} ${scene.power}` });
+      pen.lineWidth = 1.2;
+      tape(area, { scene, radius, scale: scaleOf(scene, radius), ink: light.ink });
     }
   }
 
@@ -98,7 +110,7 @@ class ScopeView extends Chart {
     const level = this.sea.level(0, 0);
     this.eye = scene.head - level;
     const field = FIELDS[scene.power] ?? FIELDS[1.5];
-    const scale = (2 * radius) / field;
+    const scale = scaleOf(scene, radius);
     pen.save();
     pen.translate(0.5 * width, 0.5 * height);
     pen.rotate(scene.roll + (scene.view === "shakes" ? 0.03 * Math.sin(41 * scene.seconds) : 0));
@@ -110,17 +122,9 @@ class ScopeView extends Chart {
       ...{ pen, eye, level, train: scene.train, field: field * OVERLAP, centre: 0, horizontal: 0 },
       ...{ scale, foot: reach, colours: light, seconds: scene.still ? 0 : scene.seconds },
     };
-    this.distant(pen, eye, scale, reach, light);
     this.water.draw(this.sea, outlook, this.among(scene, pen, scale, light, eye));
     pen.restore();
     return this.onGlass(scene, pen, [0.5 * width, 0.5 * height, radius], light);
-  }
-
-  /** Draws the sea between the last range and the horizon. @param {CanvasRenderingContext2D} pen @param {number} eye @param {number} scale @param {number} reach @param {Light} light */
-  distant(pen, eye, scale, reach, light) {
-    const dip = Math.sqrt((2 * eye) / EARTH) * scale;
-    pen.fillStyle = light.far;
-    pen.fillRect(-reach, dip, 2 * reach, reach);
   }
 
   /** Returns the ships as they are to be drawn among the waves, the nearest first. @param {Scene} scene @param {CanvasRenderingContext2D} pen @param {number} scale @param {Light} light @param {number} eye */
@@ -156,32 +160,42 @@ class ScopeView extends Chart {
     return scene.view;
   }
 
-  /** Lays the black tube over the view, pixel on pixel. @param {CanvasRenderingContext2D} pen */
-  cover(pen) {
+  /** Lays the wires and the black tube over the view, pixel on pixel. @param {import("../charts/chart.js").Area} area @param {Wired} wired */
+  cover({ pen, width }, wired) {
+    const { canvas } = pen;
+    const ratio = canvas.width / width;
+    const made = `${canvas.width} ${canvas.height} ${ratio} ${wired.name}`;
+    if (this.made !== made) this.makeTube(canvas, ratio, wired);
+    this.made = made;
+    pen.save();
     pen.resetTransform();
-    pen.drawImage(this.tube(pen.canvas.width, pen.canvas.height), 0, 0);
+    pen.drawImage(this.mask, 0, 0);
+    pen.restore();
   }
 
-  /** Returns the tube round the view, drawn once for a size [px]. @param {number} width @param {number} height */
-  tube(width, height) {
+  /** Draws the wires and the tube round the view, once for a size, a power and a palette. @param {HTMLCanvasElement} canvas @param {number} ratio @param {Wired} wired */
+  makeTube({ width, height }, ratio, wired) {
     const { mask } = this;
-    if (mask.width === width && mask.height === height) return mask;
     [mask.width, mask.height] = [width, height];
     const pen = mask.getContext("2d");
-    if (!pen) return mask;
+    if (!pen) return;
     const [x, y] = [0.5 * width, 0.5 * height];
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    wires(pen, [x / ratio, y / ratio], wired);
+    pen.resetTransform();
     const radius = Math.min(x, y) - 2;
     const shade = pen.createRadialGradient(x, y, 0.9 * radius, x, y, radius);
     shade.addColorStop(0, "#00000000");
     shade.addColorStop(1, "#000000");
     pen.fillStyle = shade;
     pen.fillRect(0, 0, width, height);
-    return mask;
   }
 
-  /** Writes words where nothing is seen. @param {import("../charts/chart.js").Area} area @param {string} words */
-  tell({ pen, width, height, size, face }, words) {
-    pen.fillStyle = "#d8d8d4";
+  /** Writes words where nothing is seen. @param {import("../charts/chart.js").Area} area @param {string} words @param {string} ink */
+  tell({ pen, width, height, size, face }, words, ink) {
+    pen.fillStyle = "#000000";
+    pen.fillRect(0, 0, width, height);
+    pen.fillStyle = ink;
     pen.font = `500 ${size * 1.5}px ${face}`;
     pen.textAlign = "center";
     pen.fillText(words, 0.5 * width, 0.5 * height);
@@ -200,44 +214,57 @@ function nearness(ship, eye) {
   return left > 1e-9 ? EARTH * (below - Math.sqrt(left)) : distanceOf(ship);
 }
 
-/** Draws the wires, and the bearings under them. @param {import("../charts/chart.js").Area} area @param {Scene} scene @param {number} radius @param {Light} light */
-function wires({ pen, width, height, size, face }, scene, radius, light) {
-  const [x, y] = [0.5 * width, 0.5 * height];
-  const scale = (2 * radius) / (FIELDS[scene.power] ?? FIELDS[1.5]);
+/** Returns all of a scene that makes a difference to the picture, but its ships. @param {Scene} scene */
+function looksOf({ view, words, power, train, bearing: towards, head, roll, seconds }) {
+  if (view === "" || view === "down") return words;
+  return [view, power, ...[train, towards, head, roll].map((each) => each.toFixed(4)), seconds.toFixed(3)].join();
+}
+
+/** Returns how large a radian is [px]. @param {Scene} scene @param {number} radius */
+function scaleOf({ power }, radius) {
+  return (2 * radius) / (FIELDS[power] ?? FIELDS[1.5]);
+}
+
+/** Draws the wires. @param {CanvasRenderingContext2D} pen @param {number[]} middle @param {Wired} wired */
+function wires(pen, [x, y], { scene, light, radius }) {
+  const scale = scaleOf(scene, radius);
   pen.strokeStyle = light.wire;
-  pen.fillStyle = light.wire;
   pen.lineWidth = 1.2;
   stroke(pen, [x, y - radius, x, y + radius]);
-  stroke(pen, [x - radius, y, x + radius, y]);
   const [tick, every] = scene.power > 2 ? [10 * MINUTE, 6] : [DEGREE, 5];
+  const open = OPEN * tick * scale; // a ship at the wire is not to be behind it
+  for (const side of [-1, 1]) stroke(pen, [x + side * open, y, x + side * radius, y]);
   for (let i = 1; i * tick * scale < radius; i++) {
     const long = i % every ? 5 : 10;
     for (const side of [-1, 1]) {
-      stroke(pen, [x + side * i * tick * scale, y - long, x + side * i * tick * scale, y + long]);
-      stroke(pen, [x - long, y + side * i * tick * scale, x + long, y + side * i * tick * scale]);
+      const at = side * i * tick * scale;
+      if (i >= OPEN) stroke(pen, [x + at, y - long, x + at, y + long]);
+      stroke(pen, [x - long, y + at, x + long, y + at]);
     }
   }
-  tape(pen, { x, y, radius, scale, size, face }, scene);
 }
 
-/** Draws the bearings along the foot of the view. @param {CanvasRenderingContext2D} pen @param {{ x: number, y: number, radius: number, scale: number, size: number, face: string }} at @param {Scene} scene */
-function tape(pen, { x, y, radius, scale, size, face }, scene) {
-  const [half, top] = [0.5 * radius, y + 0.8 * radius];
+/** Draws the bearings along the foot of the view. @param {import("../charts/chart.js").Area} area @param {{ scene: Scene, radius: number, scale: number, ink: string }} how */
+function tape({ pen, width, height, size, face }, { scene, radius, scale, ink }) {
+  const x = 0.5 * width;
+  const [half, top] = [0.5 * radius, 0.5 * height + 0.8 * radius];
   const high = 1.9 * size;
   pen.fillStyle = "#000000b0";
   pen.fillRect(x - half, top, 2 * half, high);
   const [step, named] = scene.power > 2 ? [0.5, 4] : [1, 5];
-  pen.fillStyle = "#f4f1e4";
-  pen.strokeStyle = "#f4f1e4";
+  pen.fillStyle = pen.strokeStyle = ink;
   pen.font = `500 ${size}px ${face}`;
   pen.textAlign = "center";
   const span = half / (scale * DEGREE);
+  pen.beginPath();
   for (let i = Math.ceil((scene.bearing - span) / step); i * step <= scene.bearing + span; i++) {
     const at = x + (i * step - scene.bearing) * DEGREE * scale;
-    stroke(pen, [at, top, at, top + (i % named ? 4 : 7)]);
+    pen.moveTo(at, top);
+    pen.lineTo(at, top + (i % named ? 4 : 7));
     const clear = Math.abs(at - x) < half - size;
     if (i % named === 0 && clear) pen.fillText(bearing(i * step), at, top + high - 0.6 * size);
   }
+  pen.stroke();
   pen.beginPath();
   pen.moveTo(x, top + 2);
   pen.lineTo(x - 5, top - 6);

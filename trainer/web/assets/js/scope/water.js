@@ -58,6 +58,7 @@ export class Water {
     this.spread(outlook);
     this.measure(sea, outlook);
     this.mix(outlook.colours);
+    this.drawDistance(outlook);
     const waiting = [...among];
     for (let range = RANGES - 1; range > 0; range--) {
       while (waiting.length && waiting[waiting.length - 1].distance > this.ranges[range]) waiting.pop()?.draw();
@@ -66,6 +67,14 @@ export class Water {
     }
     for (const each of waiting.reverse()) each.draw();
     this.drawFoot(outlook);
+  }
+
+  /** Fills what is between the horizon and the furthest range, and no more. @param {Outlook} outlook */
+  drawDistance({ pen, eye, scale, centre, horizontal, field, colours }) {
+    const top = horizontal + Math.sqrt((2 * eye) / EARTH) * scale;
+    const lowest = Math.max(...this.heights.subarray((RANGES - 1) * COLUMNS));
+    pen.fillStyle = colours.far;
+    pen.fillRect(centre - 0.5 * field * scale, top, field * scale, Math.max(lowest - top, 0) + OVERLAP);
   }
 
   /** Sets the ranges, from the nearest that is seen. @param {Outlook} outlook */
@@ -127,23 +136,32 @@ export class Water {
   /** Fills a range down to the next one, its tones running into each other. @param {number} range @param {Outlook} outlook */
   drawRange(range, outlook) {
     const { pen, seconds } = outlook;
-    const [left, right] = [this.across(0, outlook), this.across(COLUMNS - 1, outlook)];
-    const paint = pen.createLinearGradient(left, 0, right, 0);
-    for (let column = 0; column < COLUMNS; column += STOPS) {
-      paint.addColorStop(column / (COLUMNS - 1), this.paints[range][this.toneOf(range, column, seconds)]);
-    }
     const [far, near] = [range * COLUMNS, (range - 1) * COLUMNS];
+    const [first, last] = this.seen(far, outlook);
+    const [left, right] = [this.across(first, outlook), this.across(last, outlook)];
+    const paint = pen.createLinearGradient(left, 0, right, 0);
+    for (let column = first; column <= last; column += STOPS) {
+      paint.addColorStop((column - first) / (last - first), this.paints[range][this.toneOf(range, column, seconds)]);
+    }
     const step = CORNERS[this.ranges[range] < CLOSE ? 0 : 1];
     pen.fillStyle = paint;
     pen.beginPath();
-    for (let column = 0; column < COLUMNS; column += step) {
+    for (let column = first; column <= last; column += step) {
       pen.lineTo(this.across(column, outlook), this.heights[far + column]);
     }
-    for (let column = COLUMNS - 1; column >= 0; column -= step) {
+    for (let column = last; column >= first; column -= step) {
       const below = Math.max(this.heights[near + column], this.heights[far + column]);
       pen.lineTo(this.across(column, outlook), below + OVERLAP);
     }
     pen.fill();
+  }
+
+  /** Returns the first and the last column of a range that are within the round view. @param {number} far where the range begins @param {Outlook} outlook */
+  seen(far, { foot, field, scale }) {
+    const top = Math.max(Math.min(...this.heights.subarray(far, far + COLUMNS)), 0);
+    const half = Math.sqrt(Math.max(foot * foot - top * top, 0)) / (field * scale);
+    const beyond = Math.max(Math.floor(((0.5 - half) * (COLUMNS - 1)) / STOPS), 0) * STOPS;
+    return beyond < (COLUMNS - 1) / 2 ? [beyond, COLUMNS - 1 - beyond] : [0, COLUMNS - 1];
   }
 
   /** Draws white water along the crests that are highest. @param {number} range @param {Outlook} outlook @param {number} height [m] significant */

@@ -53,7 +53,7 @@ export function giver(session) {
     const answer = await session.order(words);
     if (answer.ok) session.crew.gave(answer.text);
     session.tell("crew");
-    const later = session.state === "frozen" ? ": acts when time runs" : "";
+    const later = session.state === "frozen" && !words.startsWith("mark ") ? ": acts when time runs" : "";
     const told = `${words}: ${answer.text}`;
     line.toggleAttribute("data-refused", !answer.ok);
     write(line, answer.ok ? `${told}${later}` : `Refused: ${told}`);

@@ -88,6 +88,11 @@ for (const key of document.querySelectorAll("[data-train]")) {
   key.addEventListener("click", () => train(by === "ahead" ? 0 : trained() + Number(by)));
 }
 const form = /** @type {HTMLFormElement} */ (one("#range"));
+/** @type {HTMLSelectElement} */ (one("select", form)).onchange = ({ target }) => {
+  const { value } = /** @type {HTMLSelectElement} */ (target);
+  const height = /** @type {HTMLInputElement} */ (one("input", form));
+  if (value) height.value = value;
+};
 form.onsubmit = async (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
   const height = /** @type {HTMLInputElement} */ (one("input", form)).valueAsNumber;
