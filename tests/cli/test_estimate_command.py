@@ -141,7 +141,7 @@ def test_the_terminal_tells_bands_and_what_moves_them(written: Path) -> None:
 
     assert re.search(r"Gh +0\.513 +\S+ to \S+ +\S+ to \S+", said)
     assert re.search(r"steady diameter \[m\] +95\.\d", said)
-    assert "4 OF 4 DRAWS" in said
+    assert "4 OF 4 DRAWS FLEW IT: FEW, THE BANDS ARE ROUGH" in said
     assert "hull.breadth" in said
     assert "controls.rate_deg_s" in said
     assert max(len(line) for line in said.splitlines() if "trainer " not in line) <= 79
@@ -209,6 +209,7 @@ BAD = [  # a part of the file, what takes its place, and what is told
         r"\[hull\] lenght = 3: no such key; nearest is length",
     ),
     ("[mass]", "[masses]", r"masses = .*: no such key; nearest is mass"),
+    ("[propeller]", "[screw]", r"screw = .*: no such key; there are name, .*propeller"),
     ("length = 20.0\n", "", r"\[hull\] lacks length"),
     ("[speed]\ndesign_kn = 8.0\n", "", "lacks speed"),
     ("length = 20.0", 'length = "long"', r"length = \"long\": must be a number, 0.3 to 400 m"),
@@ -294,6 +295,17 @@ def test_what_is_unusual_is_told_and_the_boat_is_made(
     hull.write_text(HULL.replace(part, instead, 1), encoding="utf-8")
 
     assert any(told in each for each in lightly(hull))
+
+
+def test_no_turn_is_advised_to_a_boat_without_a_rudder(tmp_path: Path) -> None:
+    hull = tmp_path / "hull.toml"
+    hull.write_text(HULL.replace('control = "rudder"', ""), encoding="utf-8")
+
+    said = type_estimate(str(hull), "-o", str(tmp_path / "boat.toml"), "--draws", "0").output
+
+    assert "(NO DRAWS, NO BANDS)" in said
+    assert "next: trainer check" in said
+    assert "turning-circle" not in said
 
 
 @pytest.fixture

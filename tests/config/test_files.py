@@ -440,6 +440,13 @@ def test_one_wrong_thing_gets_one_line(old: str, new: str, message: str) -> None
     assert "\n" not in text
 
 
+def test_a_decimal_comma_is_told_with_the_number_as_it_must_be_written() -> None:
+    text = small_complaint(("g = 9.81", "g = 9,81"))
+
+    assert text.startswith("boat.toml: line 4: is not valid TOML: ")
+    assert text.endswith("; a number has a decimal point: 9.81")
+
+
 @pytest.mark.parametrize(
     ("added", "message"),
     [

@@ -128,6 +128,34 @@ def test_a_record_without_a_rudder_has_no_study(tmp_path: Path) -> None:
     assert not (tmp_path / "a.toml").exists()
 
 
+def test_times_are_told_by_their_unit_where_no_name_says_so(tmp_path: Path) -> None:
+    columns = {"Zeit [s]": T, "rudder [deg]": HELM, "heading [deg]": HEADING}
+    path = write(tmp_path / "a.csv", columns)
+    found = write_proposal(path, tmp_path / "a.toml", 100.0, 12.0)
+    assert found.interval == 2.0
+    assert found.columns["t"].name == "Zeit"
+
+
+def test_a_record_without_times_says_that_its_interval_is_guessed(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.csv", {"rudder": HELM, "heading": HEADING})
+    assert "300 rows every 1 s (guessed: there is no column of times)" in call("new", path).output
+
+
+def test_a_refused_fit_names_the_record_once_in_each_line(tmp_path: Path) -> None:
+    columns = {"t [s]": T[::10], "rudder [deg]": HELM[::10], "heading [deg]": HEADING[::10]}
+    call("new", write(tmp_path / "a.csv", columns), "--length", 100, "--at", 10)
+    with pytest.raises(ConfigError, match="30 samples for") as wrong:
+        call(tmp_path / "a.toml", code=2)
+    assert [line.count("a.csv") for line in wrong.value.problems] == [1, 1]
+
+
+def test_a_record_without_an_answer_to_the_rudder_has_no_study(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.csv", {"t": T, "rudder": HELM, "Kurs": HEADING})
+    with pytest.raises(ConfigError, match=r"no column looks like heading, .*; it has .*Kurs"):
+        write_proposal(path, tmp_path / "a.toml", None, None)
+    assert not (tmp_path / "a.toml").exists()
+
+
 def test_a_study_is_written_beside_its_record_and_never_over_another(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", {"t": T, "rudder": HELM, "heading": HEADING})
     printed = call("new", path).stdout

@@ -386,7 +386,8 @@ def new(record: Path, output: Path | None, length: float | None, knots: float | 
     path = output or record.with_suffix(".toml")
     found = write_proposal(record, path, length, knots)
     columns = ", ".join(f"{key} in {one.name}" for key, one in found.columns.items())
-    click.echo(f"{path}: {found.rows} rows every {found.interval:.6g} s: {columns}")
+    guessed = "" if "t" in found.columns else " (guessed: there is no column of times)"
+    click.echo(f"{path}: {found.rows} rows every {found.interval:.6g} s{guessed}: {columns}")
     for remark in found.remarks:
         click.echo(f"  {remark}")
     lacking = "" if length else "fill in the length of [ship]; "

@@ -383,4 +383,10 @@ def _toml_reason(message: str, text: str) -> str:
     if found[1].startswith(("Cannot overwrite", "Cannot declare")):
         given = line if line.startswith("[") else line.split("=")[0].strip()
         return f"line {found[2]}: {format_key(given)} is given twice"
-    return f"line {found[2]}: is not valid TOML: {found[1]}"
+    return f"line {found[2]}: is not valid TOML: {found[1]}{_decimal_hint(line)}"
+
+
+def _decimal_hint(line: str) -> str:
+    """Return the number as TOML writes it where a line gives it with a decimal comma."""
+    comma = re.search(r"=\s*(-?\d+),(\d+)\s*(#|$)", line)
+    return f"; a number has a decimal point: {comma[1]}.{comma[2]}" if comma else ""

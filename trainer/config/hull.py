@@ -237,6 +237,7 @@ TABLES: Final[Mapping[str, type[Any]]] = {
 }
 NEEDED: Final = ("hull", "speed")
 KNOWN: Final = ("name", "note", *TABLES, "surfaces")
+KEYS: Final = ", ".join(KNOWN)
 
 
 def load_hull(path: Path) -> HullFile:
@@ -248,7 +249,7 @@ def read_hull(given: Mapping[str, Any], path: Path) -> HullFile:
     """Return the hull of parsed tables; ConfigError with all that is wrong."""
     place = Place(path.name, "")
     problems = [
-        place.wrong(key, value, f"no such key{nearest(key, KNOWN)}")
+        place.wrong(key, value, f"no such key{nearest(key, KNOWN) or f'; there are {KEYS}'}")
         for key, value in given.items()
         if key not in KNOWN
     ]

@@ -36,6 +36,8 @@ WORDS: Final[Mapping[str, tuple[str, ...]]] = {  # what a column of a channel is
     "latitude": ("latitude", "lat"),
     "longitude": ("longitude", "lon", "long"),
 }
+OUTPUTS: Final = "heading, yaw rate, sway or a track"
+MEASURED: Final = WORDS.keys() - {"t", "rudder", "speed"}  # what a ship answers a rudder by
 LIKE: Final = 0.75  # [-] likeness of two names that are one
 ENDINGS: Final = (  # of a heading such as psi_deg
     *("deg s", "deg min", "rad s", "m s", "deg", "rad", "kn", "kts", "s", "ms", "min"),
@@ -173,11 +175,14 @@ def _columns(table: Table, guessed: dict[str, str]) -> dict[str, Column]:
         free = channel not in found and head not in found.values()
         if free and _likeness(names[head][0], channel) >= LIKE:
             found[channel] = head
-    if "rudder" not in found:
-        raise ConfigError(
-            f"{table.path}: no column looks like the rudder; it has {', '.join(table.names)}: "
-            "name it rudder"
-        )
+    found |= _clock(table, found)
+    for what, wanted in (("the rudder", {"rudder"}), (OUTPUTS, MEASURED)):
+        if wanted.isdisjoint(found):
+            name = "it rudder" if "rudder" in wanted else "one so"
+            raise ConfigError(
+                f"{table.path}: no column looks like {what}; it has {', '.join(table.names)}: "
+                f"name {name}"
+            )
     columns = {channel: found[channel] for channel in WORDS if channel in found}
     units: dict[str, str] = {}
     for channel, head in columns.items():
@@ -187,6 +192,16 @@ def _columns(table: Table, guessed: dict[str, str]) -> dict[str, Column]:
             guessed[channel] = "  # guessed"
         units[channel] = known[0] if known else _guess(table, channel, columns, units)
     return {channel: Column(head, units[channel]) for channel, head in columns.items()}
+
+
+def _clock(table: Table, found: Mapping[str, str]) -> dict[str, str]:
+    """Return the column of times by its unit or dates, where none has the name of one."""
+    if "t" in found:
+        return {}
+    for place, (name, unit) in enumerate(zip(table.names, table.units, strict=True)):
+        if name not in found.values() and (unit in units_of("t") or table.is_clock(place)):
+            return {"t": name}
+    return {}
 
 
 def _plain(name: str) -> tuple[str, str]:

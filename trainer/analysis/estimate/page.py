@@ -209,6 +209,7 @@ def draw_influences(found: tuple[Influence, ...]) -> Markup:
     )
 
 
+ENOUGH: Final = 40  # draws, of which one lies beyond either end of 95 %
 HEADS: Final = ("", "estimate", "68 %", "95 %")
 NOTE: Final = (
     "Bands are of draws of the whole set: first the constants of the method, then each "
@@ -230,7 +231,7 @@ def render(found: Survey, written: Written) -> str:
     if found.warnings:
         lines += ["", "WARNINGS"]
         lines += [line for each in found.warnings for line in wrap(each)]
-    lines += ["", *_next_lines(written)]
+    lines += ["", *_next_lines(found, written)]
     return "\n".join(lines)
 
 
@@ -254,11 +255,10 @@ def facts(found: Survey) -> list[tuple[str, str]]:
 
 
 def turn_title(found: Survey) -> str:
-    """Return what turn was flown."""
-    return (
-        f"Turn, rudder {found.rudder_deg:g} deg, {found.speed_kn:g} kn "
-        f"({found.flown} of {found.draws} draws flew it)"
-    )
+    """Return what turn was flown, and how many draws its bands rest on."""
+    flown = f"{found.flown} of {found.draws} draws flew it" if found.draws else "no draws, no bands"
+    few = ": few, the bands are rough" if 0 < found.flown < ENOUGH else ""
+    return f"Turn, rudder {found.rudder_deg:g} deg, {found.speed_kn:g} kn ({flown}{few})"
 
 
 def band_row(band: Band) -> tuple[str, ...]:
@@ -287,11 +287,12 @@ def _influence_lines(found: Survey) -> Iterator[str]:
     yield from text_table(heads, map(influence_row, found.influences))
 
 
-def _next_lines(written: Written) -> Iterator[str]:
+def _next_lines(found: Survey, written: Written) -> Iterator[str]:
     """Yield what to type next."""
     typed = as_typed(written.file.path)
     yield f"next: trainer check {typed}"
-    yield f"      trainer manoeuvre turning-circle {typed}"
+    if found.influences:
+        yield f"      trainer manoeuvre turning-circle {typed}"
     yield f"      trainer run --vessel {typed}"
 
 

@@ -201,7 +201,8 @@ def carry_out(
 
 def _findings(seen: Sequence[Observed]) -> list[str]:
     """Return what is odd about records, and about which."""
-    return [f"{one.record.source}: {finding}" for one in seen for finding in one.findings]
+    told = [(one.record.source, str(finding)) for one in seen for finding in one.findings]
+    return [f"{path}: {text.removeprefix(f'{Path(path).name}: ')}" for path, text in told]
 
 
 def _fit(
