@@ -71,7 +71,7 @@ def test_the_module_is_built_again_to_the_byte(tmp_path: Path) -> None:
     card = (tmp_path / wasm.CARD).read_text()
     same = (tmp_path / wasm.MODULE).read_bytes() == wasm.SHIPPED.read_bytes()
     assert same, f"shipped: {CARD}; built now: {card}; {BUILD}"
-    assert json.loads(built.output)["module_bytes"] < 200_000
+    assert json.loads(built.stdout)["module_bytes"] < 200_000
     said = subprocess.run(
         [installed("node", "nodejs"), str(tmp_path / wasm.HOST), "120"],
         capture_output=True,
