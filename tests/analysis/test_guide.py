@@ -610,7 +610,7 @@ def test_a_manoeuvre_is_told_on_a_page_with_an_example_in_its_help(tmp_path: Pat
 def test_a_manoeuvre_as_json_has_every_measure() -> None:
     done = ask(manoeuvre, "zigzag-20", "bb2", "--equations", "modified", "--json")
 
-    told = json.loads(done.output)
+    told = json.loads(done.stdout)
     numbers = {"angle": 20.0, "execute": 20.0, "duration": 300.0}
     assert told["parameters"] == {**numbers, "side": "starboard"}
     assert told["method"]["rates"] == "lagged"
@@ -656,7 +656,7 @@ def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
     done = ask(guide, "bb2", "--baseline", str(old), "--html", str(html), "--json")
 
     assert done.exit_code == 0
-    told = json.loads(done.output)
+    told = json.loads(done.stdout)
     assert told["moved"] == []
     assert told["checksums"]["bb2.toml"]
     assert "Nothing moved." in html.read_text()

@@ -470,7 +470,7 @@ def test_the_page_leads_from_a_record_to_a_turning_circle(
     spread = json.loads(asked(*sweep, "--members", "12", "--jobs", "1", "--json").stdout)
     assert spread["troubled"] == 0
     assert spread["effects"] == {name: [] for name in spread["effects"]}  # a draw is no scale
-    truth = {one["name"]: one["value"] for one in json.loads(told.output)["measures"]}
+    truth = {one["name"]: one["value"] for one in json.loads(told.stdout)["measures"]}
     row = re.search(r"  advance +([\d.]+) +([\d.]+) +m", answers[3].output)
     assert row
     assert float(row[1]) - 15.0 < truth["advance"] < float(row[2]) + 15.0

@@ -212,7 +212,7 @@ def test_the_page_s_command_sets_plans_side_by_side(file: str, monkeypatch: Any)
     page, told = asked(*line.split()), asked(*line.split(), "--json")
 
     assert page.exit_code == 0, page.output
-    report = json.loads(told.output)
+    report = json.loads(told.stdout)
     assert [plan["name"] for plan in report["plans"]] == ["A", "B", "C"]
     assert report["outputs"] == ["speed", "sway", "yaw_rate", "heading"]
     assert "C  zig-zag from 15 kn; zig-zag from 15 kn, revolutions of 8 kn: 400" in page.output
@@ -236,7 +236,7 @@ def test_a_binary_sequence_beside_a_zig_zag_is_as_the_page_says(
     monkeypatch.chdir(Path(file).parent)
     line = re.findall(r"\$ trainer prbs (known.toml .*)", PAGE)[1]
 
-    report = json.loads(asked(*line.split(), "--json").output)
+    report = json.loads(asked(*line.split(), "--json").stdout)
 
     assert [plan["name"] for plan in report["plans"]] == ["A", "B", "C"]
     for name in ("N_r", "X_F", "N_F", "kappa"):

@@ -216,7 +216,7 @@ def test_json_is_one_object_whose_keys_carry_the_units(
 
     assert result.exit_code == 0, result.output
     assert asked == [("bb2.toml", 1)]
-    tree = json.loads(result.output)
+    tree = json.loads(result.stdout)
     assert tree == json.loads(json.dumps(asdict(figures)))
     bare = {
         n

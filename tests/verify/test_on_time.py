@@ -153,7 +153,7 @@ def test_the_bench_steers_a_session_by_serial_lines() -> None:
     done = CliRunner().invoke(main.cli, ["bench", "--latency", "--seconds", "3", "--json"])
 
     assert done.exit_code == 0, done.output
-    figures = json.loads(done.output)["latency"]
+    figures = json.loads(done.stdout)["latency"]
     assert figures["orders"] == sum(figures["histogram"]) >= 1
     assert figures["step_s"] == 0.5
 
