@@ -200,6 +200,15 @@ def test_what_may_mislead_is_told_by_name(tmp_path: Path, fault: str) -> None:
     assert any(re.search(told, one) for one in said), said
 
 
+def test_a_heading_that_never_changes_is_in_no_wrong_unit(tmp_path: Path) -> None:
+    columns = trial()
+    only("heading")(columns)
+    columns["heading"] = np.full(400, 40.1)  # whose mean is not quite 40.1
+    said = list(map(str, observed(tmp_path, columns).findings))
+    assert len(said) == 1
+    assert "gyro: is the same in all rows" in said[0]
+
+
 def test_a_good_record_has_no_finding_but_its_wrapped_heading(tmp_path: Path) -> None:
     (finding,) = observed(tmp_path, trial()).findings
     assert "unwrapped" in str(finding)

@@ -287,8 +287,13 @@ def _constant_outputs(record: Record) -> Iterator[Finding]:
     """Yield outputs that never change."""
     for channel in OUTPUTS:
         values = getattr(record, channel)
-        if values is not None and channel != "speed" and np.nanstd(values) == 0.0:
+        if values is not None and channel != "speed" and _is_constant(values):
             yield Finding(record.name(channel), 0, "is the same in all rows: is it recorded?")
+
+
+def _is_constant(values: Numbers) -> bool:
+    """Return whether all values that there are are one and the same."""
+    return bool(np.nanmax(values) == np.nanmin(values))
 
 
 def _spikes(record: Record) -> Iterator[Finding]:
@@ -315,7 +320,7 @@ def _spikes(record: Record) -> Iterator[Finding]:
 
 def _swing(record: Record) -> Iterator[Finding]:
     """Yield that the heading moves too little or too much for the rudder: degrees and radians."""
-    if record.heading is None:
+    if record.heading is None or _is_constant(record.heading):
         return
     steps = np.abs(np.diff(record.heading))
     steps = steps[~np.isnan(steps)]

@@ -96,7 +96,8 @@ def _model(study: Study, options: dict[str, Any]) -> ModelTable:
     kind: str = options["model"] or (study.model.kind if study.model else "")
     if not kind:
         raise ConfigError(
-            f"{study.path.name}: lacks [model]: say --model 1, 2, 3, nomoto1 or nomoto2"
+            f"{study.path.name}: lacks [model]: say --model 1, 2, 3, nomoto1 or nomoto2; "
+            "with --ship FILE a ship that is not linear: linear, abkowitz, mavmm or mmg"
         )
     if kind not in MODELS:
         raise ConfigError(
