@@ -217,6 +217,11 @@ BAD = [  # a part of the file, what takes its place, and what is told
     ("length = 20.0", "length = inf", r"length = inf: must be finite"),
     ("length = 20.0", "length = 500.0", r"length = 500.0: must be 0.3 to 400 m"),
     ("length = 20.0", "length = 8.0", r"length = 8.0: nose 3.6 m and tail 7.2 m .* 10.8 m"),
+    (
+        "length = 20.0",
+        "length = 65.6",
+        r"length = 65.6: 27 breadths, .*: is it in feet",
+    ),
     (ROUND, STATIONS.replace("[4,", "[1,"), r"stations\[2\] = .*: x must rise: .* above 2 m"),
     (ROUND, STATIONS.replace("[2,2,2]", "[2,-2,2]"), r"stations\[1\] = .*must not be negative"),
     (ROUND, "stations = [[0,0,0],[10,2,2],[20,0,0]]", r"stations = .*must be 5 to 200 rows"),

@@ -29,6 +29,7 @@ from trainer.boat.stability import responses, stable_at
 from trainer.config.coefficients import AXES
 from trainer.config.files import ConfigError, format_key, path_named
 from trainer.config.hull import BOW, RUDDER, STERN, X, defaulted, load_hull
+from trainer.config.plausibility import MASS_PRIME
 from trainer.config.vessel import VesselFile, parse_vessel
 from trainer.config.vessel_template import toml_value
 from trainer.core.kernel import Numbers
@@ -72,10 +73,22 @@ def load(name_or_path: str) -> Hull:
 
 def checked(hull: Hull) -> Hull:
     """Return the hull; ConfigError with all that its shape and its panels forbid."""
-    problems = [*_mass_problems(hull), *_panel_problems(hull), *_propeller_problems(hull)]
+    problems = [*_length_problems(hull), *_mass_problems(hull)]
+    problems += [*_panel_problems(hull), *_propeller_problems(hull)]
     if problems:
         raise ConfigError(*problems)
     return hull
+
+
+def _length_problems(hull: Hull) -> Iterator[str]:
+    """Yield that no boat is so slender."""
+    length = hull.file.form.length
+    prime = hull.shape.volume / (0.5 * length**3)
+    if prime < MASS_PRIME[0]:
+        breadth = float(hull.shape.breadth.max())
+        most = length * math.sqrt(prime / MASS_PRIME[0]) / breadth
+        told = f"{length / breadth:.0f} breadths, must be at most {most:.0f}: is it in feet?"
+        yield hull.file.place.inside("hull").wrong("length", length, told)
 
 
 def _mass_problems(hull: Hull) -> Iterator[str]:
