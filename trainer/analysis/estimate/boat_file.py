@@ -61,8 +61,6 @@ WIDE_STRIPS: Final = 5  # of the hull beyond the range of the coefficients
 DEPTH: Final = 0.85  # [lengths] of the start
 SHALLOWEST: Final = 5.0  # [m] of it
 FIRST: Final = "schema"  # the key that a vessel file begins with
-
-
 MASS_SLACK: Final = 0.3  # of the mass against the displaced
 
 
