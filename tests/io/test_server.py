@@ -526,6 +526,25 @@ def test_a_closed_hub_has_sent_everything_and_leaves_no_thread_and_no_descriptor
         socket.create_connection(("127.0.0.1", here.port), timeout=PATIENCE)
 
 
+def test_a_port_opened_while_the_hub_looks_at_its_ports_is_heard_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with control() as here:
+        watch, opened = here.hub._watch, list[int]()  # noqa: SLF001  the very moment
+
+        def open_another(*what: Any) -> None:
+            if not opened:
+                opened.append(0)
+                opened[0] = here.hub.listen("127.0.0.1", 0)
+            watch(*what)
+
+        monkeypatch.setattr(here.hub, "_watch", open_another)
+        here.hub.listen("127.0.0.1", 0)
+        assert here.wait(lambda: opened and opened[0])
+        with socket.create_connection(("127.0.0.1", opened[0]), timeout=PATIENCE):
+            assert len(here.arrivals(1)) == 1
+
+
 def test_a_hub_that_closes_gets_out_what_is_queued() -> None:
     here = Desk()
     with client(here) as (far, line):

@@ -376,7 +376,10 @@ def test_another_machine_has_so_many_lines_and_no_more() -> None:
 
 def test_a_page_that_does_not_read_loses_its_own_lines_alone() -> None:
     line = b"$TRE,1,0.5,order,%s*00\n" % (b"x" * 1000)
-    with pages() as stub, dialled(stub.port, max_queue=1), dialled(stub.port) as good:
+    with pages() as stub, contextlib.ExitStack() as lines:
+        lines.enter_context(dialled(stub.port, max_queue=1))
+        wait_until(lambda: len(stub.sessions) == 1)
+        good = lines.enter_context(dialled(stub.port))
         wait_until(lambda: len(stub.sessions) == 2)
         slow, quick = stub.sessions
         slow.settimeout(0.5)

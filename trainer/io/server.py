@@ -290,7 +290,7 @@ class Server:
 
     def _tend_doors(self, now: float) -> None:
         opened = now >= self._deaf_until and math.isinf(self._leave_at)
-        for access, _ in self._doors:
+        for access, _ in tuple(self._doors):  # another thread may open one
             self._watch(access, READ * opened, functools.partial(self._admit, access))
 
     def _tend_connections(self, now: float) -> None:
