@@ -396,6 +396,7 @@ def test_elementary_functions_have_the_same_bits_in_a_lane(function: Callable) -
         assert np.float64(in_lane(x)).tobytes() == np.float64(function(x)).tobytes()
 
 
+@pytest.mark.slow
 def test_a_fleet_without_vector_code_is_flown_to_the_same_bits(
     boat: Boat, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -125,6 +125,7 @@ def test_a_flight_that_cannot_start_is_told_and_not_lost_silently() -> None:
 # --- BB2's own guide
 
 
+@pytest.mark.slow
 def test_the_modified_set_of_this_hull_passes_and_answers_for_the_guide(
     book: GuideContents,
 ) -> None:

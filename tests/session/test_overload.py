@@ -50,7 +50,10 @@ def interrupt(process: "subprocess.Popen[str]") -> int:
     return process.wait(END)
 
 
-@pytest.mark.parametrize("policy", ["catch-up", "slip", "freeze"])
+@pytest.mark.parametrize(
+    "policy",
+    ["catch-up", *(pytest.param(each, marks=pytest.mark.slow) for each in ("slip", "freeze"))],
+)
 def test_an_overloaded_session_hears_every_order_and_ctrl_c(tmp_path: Path, policy: str) -> None:
     with interpreted(tmp_path, "--overrun", policy) as (process, caller):
         assert caller.ask("subscribe events")[0]

@@ -453,10 +453,7 @@ def taken(path: Path) -> int:
 @pytest.mark.skipif(sys.platform != "linux", reason="other units of memory elsewhere")
 @pytest.mark.parametrize(
     "what",
-    [
-        pytest.param(what, marks=[] if what in {"header", "events"} else pytest.mark.slow)
-        for what in SWOLLEN
-    ],
+    [pytest.param(what, marks=[] if what == "events" else pytest.mark.slow) for what in SWOLLEN],
 )
 def test_a_recording_takes_a_bounded_memory_whatever_is_in_it(run: Run, what: str) -> None:
     run.recording.close()

@@ -213,7 +213,7 @@ def recorded(start: Start, folder: Path, *words: str, typed: str = "", **environ
     return (folder / "out.csv").read_bytes()
 
 
-@pytest.mark.parametrize("equations", ["modified", "full"])
+@pytest.mark.parametrize("equations", ["modified", pytest.param("full", marks=pytest.mark.slow)])
 def test_the_same_inputs_give_the_same_bits(start: Start, tmp_path: Path, equations: str) -> None:
     here = ("--equations", equations)
     reference = recorded(start, tmp_path, *here, "--headless", "--speed", "max")

@@ -330,7 +330,7 @@ def test_the_language_is_chosen_by_one_key_and_forgotten_in_attract(
 
 
 @pytest.mark.parametrize("size", ["desk", "tablet", "phone", "phone-side", UPRIGHT])
-@pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.parametrize("language", [pytest.param("en", marks=pytest.mark.slow), "de"])
 def test_nothing_is_cut_at_any_size(kiosk: Kiosk, look: Look, size: str, language: str) -> None:
     page = look(
         kiosk.session, "kiosk", size="desk" if size == UPRIGHT else size, query=f"?lang={language}"

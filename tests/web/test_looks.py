@@ -11,8 +11,15 @@ from trainer.web.pages import ASSETS, PAGES
 
 Look = Callable[..., Page]
 NAMES = [page.name for page in PAGES]
-SERVED = {"", "instructor", "scope"}  # whose lines are looked at in the short run
+SHORT = {"", "instructor", "scope"}  # the pages of the short run, where all would take minutes
 each_page = pytest.mark.parametrize("name", NAMES, ids=lambda name: name or "first")
+some_pages = pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, id=name or "first", marks=[] if name in SHORT else pytest.mark.slow)
+        for name in NAMES
+    ],
+)
 
 # Pairs of tokens: what is written or drawn, on what; WCAG 2.2, 1.4.3 and 1.4.11.
 TEXT = 4.5
@@ -102,7 +109,7 @@ CUT = """() => [...document.querySelectorAll("button, a, input, select, [role=sl
   .map((each) => each.id || each.textContent)"""
 
 
-@each_page
+@some_pages
 def test_a_page_at_twice_its_size_is_whole(shared: Served, look: Look, name: str) -> None:
     """A browser's zoom of 200 % halves the page's width in its own pixels."""
     page = look(shared, name, device_scale_factor=2)
@@ -156,7 +163,7 @@ def test_the_keyboard_alone_reaches_every_control(shared: Served, look: Look, na
     assert left == []
 
 
-@each_page
+@some_pages
 def test_who_wants_no_motion_gets_none(shared: Served, look: Look, name: str) -> None:
     page = look(shared, name, reduced_motion="reduce")
     ready(page)
@@ -179,13 +186,7 @@ def test_the_first_palette_is_the_browser_s_and_then_the_user_s(
     expect(page.locator(":root")).to_have_attribute("data-palette", "night")
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, id=name or "first", marks=[] if name in SERVED else pytest.mark.slow)
-        for name in NAMES
-    ],
-)
+@some_pages
 def test_everything_that_a_page_asks_for_is_of_its_own_server(
     shared: Served, look: Look, name: str
 ) -> None:
