@@ -17,8 +17,11 @@ from trainer.units import KNOT
 
 TWO_PASTS = "a=0.5,0.5;b=1.5"  # a method that looks back on motion as well as on rates
 INTEGRATORS = (
-    *("adams2", TWO_PASTS),
-    *(pytest.param(name, marks=pytest.mark.long) for name in ("best2", "abm4", "rk4", "rkv")),
+    "adams2",
+    *(
+        pytest.param(name, marks=pytest.mark.long)
+        for name in (TWO_PASTS, "best2", "abm4", "rk4", "rkv")
+    ),
 )
 PLACE = {"x", "y", "past_motion", "held_position"}  # what a hold of position may change
 

@@ -6,7 +6,6 @@ Figures without another source are this project's own limits.
 import json
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,16 +20,11 @@ from trainer.core.state import new_state
 from trainer.core.vessel import VESSEL
 from trainer.units import FOOT, KNOT
 
-pytestmark = pytest.mark.core
+pytestmark = [pytest.mark.core, pytest.mark.long]
 
 Make = Callable[..., Boat]
 STEPS = {"bb2": 0.5, "sdv-mk9": 0.1, "remus100": 0.05}
 DEGREE = math.radians(1.0)
-
-
-def cases(first: float | str, *others: float | str) -> list[Any]:
-    """Return parameters of which the first alone is run again without JIT."""
-    return [first, *(pytest.param(each, marks=pytest.mark.long) for each in others)]
 
 
 @pytest.fixture
@@ -71,7 +65,7 @@ def turn_by_hand(boat: Boat, degrees: float) -> None:
 # --- turns
 
 
-@pytest.mark.parametrize("equations", cases("full", "modified"))
+@pytest.mark.parametrize("equations", ["full", "modified"])
 def test_depth_holds_in_a_15_degree_turn_at_10_knots(
     started: Callable[..., Boat], equations: str
 ) -> None:
@@ -99,7 +93,6 @@ def test_the_turn_is_that_of_the_vessel_data(started: Callable[..., Boat]) -> No
 
 @pytest.mark.parametrize("knots", [6.0, 10.0, 15.0, 20.0])
 @pytest.mark.parametrize("degrees", [10.0, 30.0])
-@pytest.mark.long
 def test_depth_comes_back_in_every_turn(
     started: Callable[..., Boat], knots: float, degrees: float
 ) -> None:
@@ -150,9 +143,9 @@ def test_the_reports_law_leaves_the_boat_12_metres_deep(started: Callable[..., B
 # --- depth changes
 
 
-@pytest.mark.parametrize("equations", cases("full", "modified"))
-@pytest.mark.parametrize("knots", cases(6.0, 8.0, 10.0, 15.0, 20.0))
-@pytest.mark.parametrize("change", cases(50.0, -50.0))
+@pytest.mark.parametrize("equations", ["full", "modified"])
+@pytest.mark.parametrize("knots", [6.0, 8.0, 10.0, 15.0, 20.0])
+@pytest.mark.parametrize("change", [50.0, -50.0])
 def test_a_50_metre_depth_change_overshoots_by_less_than_a_metre(
     started: Callable[..., Boat], equations: str, knots: float, change: float
 ) -> None:
@@ -166,8 +159,8 @@ def test_a_50_metre_depth_change_overshoots_by_less_than_a_metre(
     assert np.abs(run["pitch"]).max() < 12.0
 
 
-@pytest.mark.parametrize("knots", cases(3.0, 4.0, 4.8, 10.0))
-@pytest.mark.parametrize("change", cases(2.0, -10.0))
+@pytest.mark.parametrize("knots", [3.0, 4.0, 4.8, 10.0])
+@pytest.mark.parametrize("change", [2.0, -10.0])
 def test_small_depth_changes_arrive_below_the_critical_speed_too(
     started: Callable[..., Boat], knots: float, change: float
 ) -> None:
@@ -185,7 +178,6 @@ def test_small_depth_changes_arrive_below_the_critical_speed_too(
 
 
 @pytest.mark.parametrize("knots", [3.0, 4.8, 10.0, 20.0])
-@pytest.mark.long
 def test_an_hour_from_trim_keeps_depth_and_course(
     started: Callable[..., Boat], knots: float
 ) -> None:
@@ -211,8 +203,8 @@ def test_a_boat_heavier_than_its_trim_finds_a_new_one(started: Callable[..., Boa
 # --- course changes
 
 
-@pytest.mark.parametrize("knots", cases(5.0, 10.0, 20.0))
-@pytest.mark.parametrize("change", cases(5.0, 30.0, -90.0, 179.0))
+@pytest.mark.parametrize("knots", [5.0, 10.0, 20.0])
+@pytest.mark.parametrize("change", [5.0, 30.0, -90.0, 179.0])
 def test_a_course_change_neither_overshoots_nor_loses_depth(
     started: Callable[..., Boat], knots: float, change: float
 ) -> None:
@@ -275,7 +267,7 @@ def test_taking_over_in_a_dive_starts_from_the_present_angle(
     assert np.abs(last(sail(boat, 300.0)["depth"])).max() < 0.5
 
 
-@pytest.mark.parametrize("knots", cases(6.0, 10.0, 20.0))
+@pytest.mark.parametrize("knots", [6.0, 10.0, 20.0])
 def test_stern_planes_stuck_for_10_seconds_are_recovered(
     started: Callable[..., Boat], knots: float
 ) -> None:
@@ -294,8 +286,8 @@ def test_stern_planes_stuck_for_10_seconds_are_recovered(
     ("knots", "surface"),
     [
         (10.0, "s"),
-        pytest.param(6.0, "b", marks=pytest.mark.long),
-        pytest.param(20.0, "b", marks=pytest.mark.long),
+        (6.0, "b"),
+        (20.0, "b"),
     ],
 )
 def test_planes_held_against_it_for_a_minute_do_not_wind_it_up(
@@ -315,7 +307,6 @@ def test_planes_held_against_it_for_a_minute_do_not_wind_it_up(
     assert np.abs(last(back)).max() < 0.3
 
 
-@pytest.mark.long
 def test_planes_at_their_limits_for_ten_minutes_do_not_wind_it_up(
     started: Callable[..., Boat],
 ) -> None:
@@ -332,7 +323,6 @@ def test_planes_at_their_limits_for_ten_minutes_do_not_wind_it_up(
     assert np.abs(last(run["depth"])).max() < 0.3
 
 
-@pytest.mark.long
 def test_an_impossible_depth_order_does_not_wind_it_up(started: Callable[..., Boat]) -> None:
     boat = started(3.0)
     # so light that its planes cannot take it down at this speed
@@ -378,7 +368,6 @@ def test_with_the_rudder_in_hand_the_heading_reference_is_the_boats(
 # --- speed
 
 
-@pytest.mark.long
 def test_ordered_speeds_are_reached_and_kept(started: Callable[..., Boat]) -> None:
     boat = started(10.0)
     for knots in (6.0, 12.0, 18.0):
@@ -388,7 +377,6 @@ def test_ordered_speeds_are_reached_and_kept(started: Callable[..., Boat]) -> No
         assert boat.state.speed_trim / KNOT == pytest.approx(0.0, abs=0.02), "nothing to learn"
 
 
-@pytest.mark.long
 def test_a_long_run_down_in_speed_is_not_mistaken_for_a_wrong_trim(
     started: Callable[..., Boat],
 ) -> None:
@@ -410,7 +398,6 @@ def test_a_wrong_speed_trim_is_unlearnt(started: Callable[..., Boat]) -> None:
     assert boat.state.u / KNOT == pytest.approx(10.0, abs=0.01)
 
 
-@pytest.mark.long
 def test_speed_trim_does_not_wind_up_at_the_engines_limit(started: Callable[..., Boat]) -> None:
     # its own limit is 4.5 kn of command speed, and control surfaces drag
     boat = started(4.5, "full", "remus100")
@@ -440,7 +427,6 @@ def test_speed_trim_is_learnt_in_straight_flight_only(started: Callable[..., Boa
 @pytest.mark.parametrize(
     ("vessel", "knots"), [("sdv-mk9", 1.5), ("sdv-mk9", 4.0), ("remus100", 3.0), ("remus100", 4.0)]
 )
-@pytest.mark.long
 def test_the_small_boats_obey_too(started: Callable[..., Boat], vessel: str, knots: float) -> None:
     boat = started(knots, "full", vessel)
     hold = sail(boat, 60.0)

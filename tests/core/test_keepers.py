@@ -22,7 +22,7 @@ from trainer.core.sea.forces import suction
 from trainer.io.orders.grammar import BadOrder, Refused, parse
 from trainer.units import KNOT
 
-pytestmark = pytest.mark.core
+pytestmark = [pytest.mark.core, pytest.mark.long]
 
 DEGREE = math.radians(1.0)
 Start = Callable[..., Boat]
@@ -75,7 +75,6 @@ def order(boat: Boat, text: str) -> str:
 # --- speed
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("origin", [0.0, 90.0, 180.0])
 @pytest.mark.parametrize(("knots", "state"), [(4.0, 4), (5.0, 5), (8.0, 6), (10.0, 6)])
 def test_the_mean_speed_is_the_ordered_one_in_any_sea(
@@ -87,7 +86,6 @@ def test_the_mean_speed_is_the_ordered_one_in_any_sea(
     assert sail(boat, 1200.0, "u").mean() / KNOT == pytest.approx(knots, abs=0.1)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("before", "after", "settled"), [(5, 10, 260.0), (10, 5, 430.0)])
 def test_a_step_of_speed_settles_without_overshoot(
     started: Start, before: float, after: float, settled: float
@@ -112,7 +110,6 @@ def test_an_order_that_the_engine_cannot_reach_is_called_out_once(started: Start
     assert "the ordered speed is not reached" in news[0]
 
 
-@pytest.mark.long
 def test_a_boat_afloat_in_a_sea_is_never_driven_astern_for_its_speed(started: Start) -> None:
     boat = started(4.0, 30.0, 6, 180.0)
     boat.state.blow[:3] = 2.0
@@ -135,7 +132,6 @@ def wrapped(away: NDArray[np.float64], watched: str) -> NDArray[np.float64]:
     return np.remainder(away + 180.0, 360.0) - 180.0 if watched == "psi" else away
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("broken", "watched", "scale", "least", "most"),
     [
@@ -203,7 +199,6 @@ def test_a_blow_broken_off_is_handed_back_without_a_jump(started: Start) -> None
     assert np.abs(after[:, 0] - boat.state.ordered_depth).max() < 2.0
 
 
-@pytest.mark.long
 def test_afloat_no_depth_is_kept_until_one_is_ordered(started: Start) -> None:
     boat = started(10.0, 60.0)
     order(boat, "emergency blow")
@@ -265,7 +260,6 @@ def test_a_low_pass_halves_about_its_corner_and_begins_at_rest() -> None:
     assert math.sqrt(2.0) * past[2000:].std() == pytest.approx(1.0 / 1.6, rel=0.02)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("knots", "state", "origin", "rms", "planes"),
     [(4.0, 5, 0.0, 1.0, 14.0), (5.0, 5, 0.0, 0.6, 10.0), (8.0, 6, 180.0, 2.0, 16.0)],
@@ -283,7 +277,6 @@ def test_depth_is_kept_in_waves_and_the_planes_leave_them_alone(
     assert rows[:, 4].min() == 1.0
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("knots", "state", "origin"), [(5.0, 5, 180.0), (8.0, 6, 0.0)])
 def test_the_time_between_waves_is_counted(
     started: Start, knots: float, state: int, origin: float
@@ -304,7 +297,6 @@ def test_in_a_calm_and_in_small_waves_the_law_stays_as_it_is(started: Start) -> 
 # --- trim
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("knots", [4.0, 5.0, 6.0, 8.0, 12.0])
 def test_automatic_trim_takes_pitch_and_planes_to_nothing(started: Start, knots: float) -> None:
     boat = started(knots, 18.0)
@@ -318,7 +310,6 @@ def test_automatic_trim_takes_pitch_and_planes_to_nothing(started: Start, knots:
     assert s.water_taken == pytest.approx(float(s.water.sum()) - water, abs=1e-6)
 
 
-@pytest.mark.long
 def test_trim_by_hand_moves_no_water_and_pitch_stays_steady(started: Start) -> None:
     boat = started(5.0, 18.0)
     assert order(boat, "trim manual") == "trim by hand"
@@ -353,7 +344,6 @@ def test_automatic_trim_does_not_outdo_a_failed_pump(started: Start) -> None:
 # --- astern
 
 
-@pytest.mark.long
 def test_a_boat_handed_over_in_a_hard_turn_is_stopped_and_comes_back(started: Start) -> None:
     boat = started(10.0, 60.0)
     order(boat, "rudder left 15")
@@ -431,7 +421,6 @@ def at_rest(started: Start, depth: float, state: int, seed: int) -> Boat:
     return boat
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("depth", "state", "within"), [(18.0, 4, 5.0), (30.0, 5, 5.0)])
 @pytest.mark.parametrize("seed", [202, 203, 204])
 def test_hovering_holds_its_depth_under_waves(
@@ -460,7 +449,6 @@ def test_hovering_is_refused_where_the_pump_cannot_hold(started: Start) -> None:
     assert "cannot hold 18 m" in order(boat, "depth 18"), "nor is the boat sent there hovering"
 
 
-@pytest.mark.long
 def test_hovering_that_is_lost_is_given_up_and_told(started: Start) -> None:
     boat = at_rest(started, 30.0, 5, 201)
     order(boat, "hover on")
@@ -496,7 +484,6 @@ def test_a_trim_tank_too_small_is_named_in_its_file(make_boat: Callable[..., Boa
     assert "automatic trim wants 0.43 m3 or more" in remark
 
 
-@pytest.mark.long
 def test_automatic_trim_tells_when_a_tank_has_no_more_to_give(started: Start) -> None:
     boat = started(6.0, 18.0)
     boat.vessel.capacity[6] = boat.state.water_auxiliary  # full, and more is wanted
