@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -108,19 +109,28 @@ def all_but_the_mark(cache: Path) -> Iterator[Callable[[], None]]:
         yield complete
 
 
+def once_at_sea(record: Path, do: Callable[[], object]) -> None:
+    """Do something a second after a run of another process has begun to record."""
+    until = time.monotonic() + 120.0
+    while not record.exists() and time.monotonic() < until:
+        time.sleep(0.05)
+    time.sleep(1.0)
+    do()
+
+
 def test_a_first_run_goes_over_to_machine_code_between_two_ticks_with_the_same_bits(
     tmp_path: Path,
 ) -> None:
     exercise = ("run", "periscope-depth", "--headless", "--duration", "160", "--speed")
     record = tmp_path / "slow.trainer"
     with all_but_the_mark(tmp_path / "cache") as complete:
-        timer = threading.Timer(3.0, complete)
-        timer.start()
+        watch = threading.Thread(target=once_at_sea, args=(record, complete))
+        watch.start()
         slow = trained(
             *(*exercise, "20", "--csv", str(tmp_path / "slow.csv"), "--record", str(record)),
             cache=tmp_path / "cache",
         )
-        timer.join()
+        watch.join()
     quick = trained(*exercise, "max", "--csv", str(tmp_path / "quick.csv"))
 
     found = re.search(r"adams2 at 0.5 s, interpreted before tick (\d+)", slow.stdout)
@@ -139,18 +149,14 @@ def test_a_first_run_whose_compilation_fails_goes_on_interpreted_and_says_so(
 ) -> None:
     folder = tmp_path / "cache" / cache_folder().name
     record = tmp_path / "slow.trainer"
+    run = threading.Thread(
+        target=trained,
+        args=("run", "--headless", "--duration", "60", "--speed", "10", "--record", record),
+        kwargs={"cache": tmp_path / "cache"},
+    )
     with compiled_by_another(tmp_path / "cache"):
-        timer = threading.Timer(
-            2.0, (folder / compilation.COMPLAINTS).write_text, ("no space left",)
-        )
-        timer.start()
-        run = threading.Thread(
-            target=trained,
-            args=("run", "--headless", "--duration", "60", "--speed", "10", "--record", record),
-            kwargs={"cache": tmp_path / "cache"},
-        )
         run.start()
-        timer.join()
+        once_at_sea(record, lambda: (folder / compilation.COMPLAINTS).write_text("no space left"))
     run.join()
 
     with contextlib.closing(Recording.look(record)) as recording:
