@@ -3,6 +3,7 @@
 import functools
 import math
 import re
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -207,6 +208,19 @@ def test_a_broken_gate_never_leaves_more_than_50(name: str) -> None:
             assert card.total is None or card.total <= 50.0
         if outcome(card) == "lost":
             assert card.total is None or card.total <= 25.0
+
+
+def test_a_boat_laid_on_the_ground_badly_leaves_50() -> None:
+    text = (ROOT / "configs/exercises/bottoming.toml").read_text()
+    hasty = {"speed_kn < 0.5": "speed_kn < 2.5", "astern two-thirds": "stop", "depth 91": "depth 94"}
+    for well, hastily in hasty.items():
+        text = text.replace(well, hastily)
+    crew = read_crew({"crew": tomllib.loads(text)["crew"]}, Place("test", ""))
+    card = marks_of("bottoming", crew)
+    assert card.verdict
+    assert outcome(card) == "not reached"
+    assert re.match(r"laid on the ground badly at 10:0.*: way 0\.8", card.verdict.reason)
+    assert card.total == 50.0
 
 
 # Marks at the seams

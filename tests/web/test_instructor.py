@@ -235,6 +235,10 @@ def test_who_looks_back_sees_the_ships_where_they_were(
     )
     now = float(read(caller, "contacts.contact_1_range"))
     assert nameless.json_value()["range"] != now
+    page.locator("#ships-tab").click()
+    expect(page.locator("#ships-now")).to_contain_text("as they are now")
+    page.keyboard.press("Escape")
+    expect(page.locator("#ships-now")).to_be_hidden()
     assert caller.ask("contact ferry2 remove")[0]
 
 

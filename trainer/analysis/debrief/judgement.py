@@ -2,8 +2,8 @@
 
 With t of a task = 100 max(0, (p - b) / (100 - b)), p its marks and b those with nobody aboard, an
 answer's times the mean of the other tasks, and T and K the means of tasks and of what was kept:
-total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken, 25 where the exercise was lost,
-0 where the boat was hard aground.
+total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken or the boat was laid on the ground
+badly, 25 where the exercise was lost, 0 where the boat was hard aground.
 """
 
 from collections.abc import Iterator, Mapping
@@ -125,7 +125,7 @@ def _verdict(
     hard, aground = _aground(trajectory, plan)
     lost = turned or hard or aground or next(_losses(trajectory, plan.lost), "")
     lost = lost or _ended(trajectory, plan) or _collided(trajectory)
-    gate = next(_broken(trajectory), "")
+    gate = next(_broken(trajectory), "") or _laid_badly(trajectory, plan)
     undone = [each.name for each in scores if not _carried_out(each)]
     cap = HARD_CAP if hard else LOST_CAP if lost else GATE_CAP if gate else None
     outcome, reason = "won", ""
@@ -186,6 +186,18 @@ def _aground(trajectory: Trajectory, plan: Plan) -> tuple[str, str]:
         if each.at_fault and not aground and bottom is not None and bottom.grounding == "end":
             aground = f"aground at {when}"
     return hard, aground
+
+
+def _laid_badly(trajectory: Trajectory, plan: Plan) -> str:
+    """Return that a boat that may lie on the ground came there badly, and when."""
+    bottom = plan.world.get("bottom")
+    if bottom is None or not bottom.bottoming:
+        return ""
+    for each in groundings(trajectory):
+        if each.at_fault:
+            why = ", ".join(each.touch.faults) or "did not come to lie"
+            return f"laid on the ground badly at {clock(float(trajectory.seconds[each.row]))}: {why}"
+    return ""
 
 
 def _losses(trajectory: Trajectory, losses: tuple[Loss, ...]) -> Iterator[str]:
