@@ -212,7 +212,11 @@ def test_a_broken_gate_never_leaves_more_than_50(name: str) -> None:
 
 def test_a_boat_laid_on_the_ground_badly_leaves_50() -> None:
     text = (ROOT / "configs/exercises/bottoming.toml").read_text()
-    hasty = {"speed_kn < 0.5": "speed_kn < 2.5", "astern two-thirds": "stop", "depth 91": "depth 94"}
+    hasty = {
+        "speed_kn < 0.5": "speed_kn < 2.5",
+        "astern two-thirds": "stop",
+        "depth 91": "depth 94",
+    }
     for well, hastily in hasty.items():
         text = text.replace(well, hastily)
     crew = read_crew({"crew": tomllib.loads(text)["crew"]}, Place("test", ""))

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import click
 
-from trainer.cli.answers import json_of, write_text
+from trainer.cli.answers import bar, json_of, write_text
 from trainer.cli.options import HTML, TOML
 from trainer.cli.types import Name
 
@@ -50,14 +50,15 @@ def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) 
 
     from trainer.analysis.estimate.boat_file import load, write_boat  # noqa: PLC0415
     from trainer.analysis.estimate.page import html_page, render  # noqa: PLC0415
-    from trainer.analysis.estimate.survey import survey  # noqa: PLC0415
+    from trainer.analysis.estimate.survey import survey, turns_of  # noqa: PLC0415
 
     if options["reduce"] and output is None:
         raise click.UsageError("--reduce: needs -o, where the boat is written")
     if options["study"] is not None and output is None:
         raise click.UsageError("--study: needs -o, the boat that it flies")
     made = write_boat(load(hull), output or Path(f"{Path(hull).stem}-boat.toml"))
-    found = survey(made, options["draws"])
+    with bar(turns_of(made, options["draws"]), "turning") as step:
+        found = survey(made, options["draws"], step)
     if output is not None:
         write_text(output, made.text)
     if options["html"] is not None:

@@ -1,12 +1,11 @@
 """The command ``trainer sweep``: a study of many members."""
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import click
 
-from trainer.cli.answers import json_of, outputs, show
+from trainer.cli.answers import bar, json_of, outputs, show
 from trainer.cli.options import STUDY
 from trainer.cli.types import File
 
@@ -89,10 +88,8 @@ def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
         crew = cluster(options["scheduler"])
     length = open_job(job).members
     try:
-        with click.progressbar(
-            length=length, label="flying", file=sys.stderr, hidden=not sys.stderr.isatty()
-        ) as bar:
-            return carry_out(job, crew, out, bar.update)
+        with bar(length, "flying") as step:
+            return carry_out(job, crew, out, step)
     except KeyboardInterrupt:
         click.echo(f"trainer: {AGAIN}", err=True)
         raise

@@ -1,15 +1,13 @@
 """Commands that examine a vessel file, and that find its compact set."""
 
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import click
 
-from trainer.cli.answers import Number, json_of, outputs, show
+from trainer.cli.answers import Number, bar, json_of, outputs, show
 from trainer.cli.options import SEA, TOML, VESSEL, VESSEL_HELP, method_options
 from trainer.cli.types import Commands
 
@@ -159,14 +157,6 @@ def sea(name: str, vessel: str, depths: tuple[float, ...], step: float | None, *
     at = tuple(dict.fromkeys(depths)) or seaway.usual_depths(boat)
     report = seaway.survey(file, boat, at, boat.run.step_s if step is None else step)
     show(report, seaway.render, lambda: seaway.panels(file, boat, report), how)
-
-
-@contextmanager
-def bar(length: int, label: str) -> Iterator[Callable[[int], None]]:
-    """Show a progress bar on a terminal, on stderr; give what moves it on."""
-    hidden = not sys.stderr.isatty()
-    with click.progressbar(length=length, label=label, file=sys.stderr, hidden=hidden) as shown:
-        yield shown.update
 
 
 @click.command()

@@ -2,8 +2,8 @@
 
 With t of a task = 100 max(0, (p - b) / (100 - b)), p its marks and b those with nobody aboard, an
 answer's times the mean of the other tasks, and T and K the means of tasks and of what was kept:
-total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken or the boat was laid on the ground
-badly, 25 where the exercise was lost, 0 where the boat was hard aground.
+total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken or the boat was laid down badly,
+25 where the exercise was lost, 0 where the boat was hard aground.
 """
 
 from collections.abc import Iterator, Mapping
@@ -196,7 +196,8 @@ def _laid_badly(trajectory: Trajectory, plan: Plan) -> str:
     for each in groundings(trajectory):
         if each.at_fault:
             why = ", ".join(each.touch.faults) or "did not come to lie"
-            return f"laid on the ground badly at {clock(float(trajectory.seconds[each.row]))}: {why}"
+            when = clock(float(trajectory.seconds[each.row]))
+            return f"laid on the ground badly at {when}: {why}"
     return ""
 
 

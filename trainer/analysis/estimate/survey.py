@@ -1,8 +1,9 @@
 """An estimated boat in figures: margins, critical speeds, a turn with bands, influences."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
+from itertools import chain
 from typing import Any, Final
 
 import numpy as np
@@ -93,10 +94,23 @@ class Survey:
     warnings: tuple[str, ...]
 
 
-def survey(written: Written, draws: int) -> Survey:
-    """Return what there is to say about a boat, with ``draws`` of its coefficients."""
+def unheard(turns: int) -> None:
+    """Take the news and do nothing."""
+    del turns
+
+
+def turns_of(written: Written, draws: int) -> int:
+    """Return how many turns a survey flies at most."""
+    return 2 + draws + 2 * len(inputs_of(written.made.hull.file))
+
+
+def survey(written: Written, draws: int, heard: Callable[[int], object] = unheard) -> Survey:
+    """Return what there is to say about a boat, with ``draws`` of its coefficients.
+
+    ``heard`` is told how many turns have been flown since it was told last.
+    """
     file, hull = written.file, written.made.hull
-    turns = fly_turns([file, *_drawn_files(written, draws)], half_rudder(file))
+    turns = fly_turns(chain([file], _drawn_files(written, draws)), half_rudder(file), heard)
     drawn = [written.made.draw(number) for number in range(1, draws + 1)]
     rudder = math.degrees(half_rudder(file))
     turn = tuple(_turn_bands(turns))
@@ -119,7 +133,7 @@ def survey(written: Written, draws: int) -> Survey:
         turn=turn,
         draws=draws,
         flown=sum(each is not None for each in turns[1:]),
-        influences=tuple(influences(written, turns[0])),
+        influences=tuple(influences(written, turns[0], heard)),
         defaulted=defaulted(hull.file),
         warnings=tuple(warnings(written, own)),
     )
@@ -145,9 +159,15 @@ def _drawn_files(written: Written, draws: int) -> Iterator[VesselFile]:
         yield read_vessel(drawn_tables(written.made, tables, number), written.text, path)
 
 
-def fly_turns(files: Sequence[VesselFile], rudder: float) -> list[dict[str, float] | None]:
+def fly_turns(
+    files: Iterable[VesselFile], rudder: float, heard: Callable[[int], object] = unheard
+) -> list[dict[str, float] | None]:
     """Return the measures of each boat's turn, None of one that cannot; ``rudder`` in rad."""
-    return [_fly_turn(file, rudder) for file in files]
+    turns = []
+    for file in files:
+        turns.append(_fly_turn(file, rudder))
+        heard(1)
+    return turns
 
 
 def _fly_turn(file: VesselFile, rudder: float) -> dict[str, float] | None:
@@ -284,7 +304,9 @@ def changed(file: HullFile, one: Input, sign: float) -> HullFile:
     return read_hull(tables, file.path)
 
 
-def influences(written: Written, turn: dict[str, float] | None) -> list[Influence]:
+def influences(
+    written: Written, turn: dict[str, float] | None, heard: Callable[[int], object]
+) -> list[Influence]:
     """Return the ten inputs that move the steady diameter most."""
     own = (turn or {}).get(MEASURES[0])
     if own is None:
@@ -297,7 +319,7 @@ def influences(written: Written, turn: dict[str, float] | None) -> list[Influenc
         if boat is not None:
             boats.append(boat)
             flown.append((one, sign))
-    turns = fly_turns(boats, half_rudder(written.file))
+    turns = fly_turns(boats, half_rudder(written.file), heard)
     effect: dict[Input, dict[float, float]] = {}
     for (one, sign), each in zip(flown, turns[1:], strict=True):
         if each is not None and MEASURES[0] in each:
