@@ -15,6 +15,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
 
+WAITING = ("web", "session", "console")  # folders of tests that mostly wait, for ticks and pages
 pytest_plugins = ["helpers.browser", "helpers.crewed"]
 # What is tested is what is installed, in all that the tests start as well: not what lies beside.
 os.environ["PYTHONSAFEPATH"] = "1"
@@ -42,6 +43,22 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         ]
         for process in at_once:
             assert process.wait() == 0, process.args
+
+
+@pytest.hookimpl(trylast=True)  # of those that are chosen
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with tests that wait in half of four processes, and with those that compute elsewhere.
+
+    Each process takes a quarter as it stands here, and what others have left over.
+    """
+    waiting = [item for item in items if item.path.parent.name in WAITING]
+    computing = [item for item in items if item.path.parent.name not in WAITING]
+    half, rest = len(waiting) // 2, max((len(items) - 2 * len(waiting)) // 4, 0)
+    items[:] = [
+        *(waiting[:half] + computing[:rest]),
+        *(waiting[half:] + computing[rest : 2 * rest]),
+        *computing[2 * rest :],
+    ]
 
 
 @pytest.fixture(scope="session", autouse=True)
