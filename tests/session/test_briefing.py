@@ -10,9 +10,10 @@ from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import load_exercise
+from trainer.config.exercise import AXES, load_exercise
 from trainer.config.files import shipped_names
 from trainer.io.orders import sentences
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.table import TOPICS
 from trainer.io.recording.absence import NoRecording
 from trainer.io.tables import NoFile
@@ -21,7 +22,14 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import briefing_of, situation
 from trainer.session.session import Session
-from trainer.session.stations.briefing import EXERCISE, RANGES, exercise_table, range_table, ranges
+from trainer.session.stations.briefing import (
+    EXERCISE,
+    RANGES,
+    exercise_table,
+    hint,
+    range_table,
+    ranges,
+)
 from trainer.session.stations.roles import CREW, INSTRUCTOR, ROLES, STRANGER, Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
@@ -288,3 +296,25 @@ def test_alerts_of_what_has_not_come_yet_are_forgotten() -> None:
     here.boat.state.tick = 5.0
     log.settle(())
     assert [news.text for news in log.alerts.values()] == ["now"]
+
+
+@pytest.mark.parametrize("role", ROLES)
+@pytest.mark.parametrize("hand", [(), ("rudder", "planes"), ("speed", "ballast"), tuple(AXES)])
+def test_whoever_comes_is_offered_orders_that_he_may_give(role: str, hand: tuple[str, ...]) -> None:
+    offered = hint(ROLES[role], frozenset(hand))
+    assert len(offered) <= 79
+    for words in offered.partition(": ")[2].split("   "):
+        order = parse(words)
+        assert isinstance(order, Order), words
+        assert order.name in ROLES[role].commands, words
+
+
+def test_who_has_no_place_yet_is_told_how_to_take_one() -> None:
+    boat = attended("crossing-traffic", "scope")
+    (line,) = boat.lines.values()
+    boat.session.greet(boat.session.event_log.stations[0])
+    assert "role scope" in line.sent[-1]
+    boat.enter()
+    boat.session.greet(boat.session.event_log.stations[0])
+    assert "scope raise" in line.sent[-1]
+    assert "rudder" not in line.sent[-1]

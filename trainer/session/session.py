@@ -27,7 +27,7 @@ from trainer.session.control import Control
 from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
 from trainer.session.event_log import CREW, MOMENTS, TIME, EventLog
 from trainer.session.history import History
-from trainer.session.stations.briefing import Briefing, in_words, ranges
+from trainer.session.stations.briefing import Briefing, hint, in_words, ranges
 from trainer.session.stations.display import panel
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
 from trainer.session.stations.station import Asked, Closed, Fact, Reception, Station
@@ -38,8 +38,6 @@ from trainer.session.time.ledger import SECOND
 from trainer.session.time.pacer import WOKEN, Event
 from trainer.session.time.timekeeping import Timekeeping
 
-HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
-BY_HAND: Final = "by hand: stern planes dive 5   rudder left 15   aye   help   quit"
 AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
@@ -125,7 +123,7 @@ class Session:
 
     def greet(self, station: Station) -> None:
         """Tell whoever comes what this is."""
-        for line in (*self._briefed(station), BY_HAND if self.hand else HINT):
+        for line in (*self._briefed(station), hint(station.role, self.hand)):
             station.line.send(line)
 
     def _introduce(self, station: Station) -> None:

@@ -6,7 +6,7 @@ file's name, and of what loses the exercise only what its own gauges show.
 
 import math
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field, fields
 from typing import Final
 
@@ -15,6 +15,8 @@ from trainer.config.condition import Loss
 from trainer.config.exercise import Limits
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.surfaces import SURFACES
+from trainer.io.orders.grammar import Order, parse
+from trainer.session.crew import BY_HAND
 from trainer.session.stations.display import WIDTH
 from trainer.session.stations.panels import TONNE
 from trainer.session.stations.roles import INSTRUCTOR, Role
@@ -110,6 +112,30 @@ TITLES: Final = {
     "lost": "lost by",
     "length": "length",
 }
+
+
+OBSERVER: Final = "take a place, such as: role helm   role diving   role scope   help   detach"
+AUTOMATIC: Final = ("depth 80", "course 090", "rudder left 15")
+OF_STATIONS: Final = ("stern planes dive 5", "flood depth-control 1", "scope raise")
+
+
+def hint(role: Role, hand: Collection[str]) -> str:
+    """Return some orders that a station may give, where ``hand`` has the axes worked by hand."""
+    if role.name == "observer":
+        return OBSERVER
+    by_hand = [order for axis, (_, order) in BY_HAND.items() if axis in hand]
+    given = [words for words in (by_hand or AUTOMATIC) if may_order(role, words)]
+    given = given or [words for words in OF_STATIONS if may_order(role, words)]
+    repeats = ["aye"] if hand and "aye" in role.commands else []
+    last = "quit" if "quit" in role.commands else "detach"
+    opening = "by hand: " if hand else "type an order, such as: "
+    return opening + "   ".join((*given[: 2 if repeats else 3], *repeats, "help", last))
+
+
+def may_order(role: Role, words: str) -> bool:
+    """Return whether a role may give an order, as it is typed."""
+    order = parse(words)
+    return isinstance(order, Order) and order.name in role.commands
 
 
 def is_open(loss: Loss) -> bool:
