@@ -24,25 +24,36 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Compile the core and fleets once, before several processes would do so side by side.
+    """Compile once what several processes would compile side by side: the core, fits and fleets.
 
-    So is the browser installed, where that is allowed.
+    Fleets have the core in them and come last, beside the first tests. So is the browser installed,
+    where that is allowed.
     """
     if not getattr(session.config.option, "numprocesses", None):
         return
-    if "core" not in session.config.option.markexpr:
-        install("chromium", "chromium", 600.0)
-    first = [["trainer.session.warm_up"]]
-    with tempfile.TemporaryDirectory() as folder:
-        if "core" not in session.config.option.markexpr:
-            few = ["--members", "2", "--jobs", "1", "--out", f"{folder}/few"]
-            first.append(["trainer", "sweep", "turn-uncertainty", *few])
-        at_once = [
-            subprocess.Popen([sys.executable, "-m", *words], stdout=subprocess.DEVNULL)
-            for words in first
-        ]
-        for process in at_once:
-            assert process.wait() == 0, process.args
+    core = started("trainer.session.warm_up")
+    if "core" in session.config.option.markexpr:
+        assert_done(core)
+        return
+    fits = started("trainer", "identify", "--example")
+    install("chromium", "chromium", 600.0)
+    assert_done(core)
+    folder = tempfile.TemporaryDirectory()
+    few = ["--members", "2", "--jobs", "1", "--out", f"{folder.name}/few"]
+    fleets = started("trainer", "sweep", "turn-uncertainty", *few)
+    assert_done(fits)
+    session.config.add_cleanup(folder.cleanup)
+    session.config.add_cleanup(lambda: assert_done(fleets))
+
+
+def assert_done(process: subprocess.Popen[bytes]) -> None:
+    """Wait for a process that is to succeed."""
+    assert process.wait() == 0, process.args
+
+
+def started(*words: str) -> subprocess.Popen[bytes]:
+    """Start a module, or a command, that is silent."""
+    return subprocess.Popen([sys.executable, "-m", *words], stdout=subprocess.DEVNULL)
 
 
 @pytest.hookimpl(trylast=True)  # of those that are chosen

@@ -58,7 +58,8 @@ SLOW = re.compile(
 )
 SLOW_PAGES = {  # for engineers: many flights, each of a kind that has tests of its own
     *("report-1969.md", "recordings.md", "sweeps.md", "boat-by-mail.md", "own-hull.md"),
-    *("reduction.md", "debrief.md"),
+    *("reduction.md", "debrief.md", "engineer.md", "identification.md", "report-1974.md"),
+    *("vessel-files.md", "exercises.md"),
 }
 CASES = [
     pytest.param(

@@ -467,6 +467,7 @@ def searches(partial: Path) -> list[str]:
     return [name for name in json.loads(partial.read_text()) if name != "of"]
 
 
+@pytest.mark.slow
 def test_a_set_astray_at_the_top_speed_is_searched_for_anew_with_flights_there(
     slim: VesselFile, narrow: Leg, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -15,14 +15,9 @@ from trainer.session.status import status_lines
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
+pytestmark = pytest.mark.long  # each freeze, at each kind of method
 TWO_PASTS = "a=0.5,0.5;b=1.5"  # a method that looks back on motion as well as on rates
-INTEGRATORS = (
-    "adams2",
-    *(
-        pytest.param(name, marks=pytest.mark.long)
-        for name in (TWO_PASTS, "best2", "abm4", "rk4", "rkv")
-    ),
-)
+INTEGRATORS = ("adams2", TWO_PASTS, "best2", "abm4", "rk4", "rkv")
 PLACE = {"x", "y", "past_motion", "held_position"}  # what a hold of position may change
 
 
@@ -198,7 +193,6 @@ def test_nothing_but_the_state_remembers_that_something_was_frozen(
 
 
 @pytest.mark.core
-@pytest.mark.long
 def test_a_boat_is_held_to_the_bit_again_from_a_snapshot_taken_in_the_middle(
     make_boat: Callable[..., Boat],
 ) -> None:

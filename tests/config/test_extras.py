@@ -54,7 +54,9 @@ NEEDING = [  # what is hidden, what is typed, what is told
     (("scipy",), "prbs bb2", "scipy"),
     (("scipy",), "identify study.toml", "scipy"),
     (("scipy",), "identify --selftest", "scipy"),
-    (("matplotlib",), "sea sea-state-5 --plot sea.svg", "matplotlib"),
+    pytest.param(
+        *(("matplotlib",), "sea sea-state-5 --plot sea.svg", "matplotlib"), marks=pytest.mark.slow
+    ),
     (("matplotlib",), "manoeuvre turning-circle bb2 --plot turn.svg", "matplotlib"),
     (("pyarrow",), "sweep study.toml --out out.parquet", "pyarrow"),
     (("distributed",), "sweep study.toml --out out.parquet --scheduler tcp://h:1", "distributed"),

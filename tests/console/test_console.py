@@ -242,7 +242,13 @@ def test_page_up_looks_back_in_the_log_and_page_down_returns() -> None:
     assert at_the_console(press, talk)[1].orders == []
 
 
-@pytest.mark.parametrize("role", CREW)
+@pytest.mark.parametrize(
+    "role",
+    [
+        *("helm", "pilot"),
+        *(pytest.param(role, marks=pytest.mark.slow) for role in CREW[1:2] + CREW[3:]),
+    ],
+)
 def test_every_key_that_moves_a_surface_orders_it_by_its_step(role: str) -> None:
     moves = [
         (key.act, name) for key in KEYS[role] if isinstance(key.act, Move) for name in key.names

@@ -27,7 +27,7 @@ from trainer.console.pane import Pane, line, plain
 from trainer.io.orders import sentences
 
 ROLES = ("instructor", *CREW)
-SIZES = ((80, 24), (120, 40), (200, 60))
+SIZES = ((80, 24), pytest.param((120, 40), marks=pytest.mark.slow), (200, 60))
 FACTS = (
     "title=Depth, first steps", "hand=planes", "duration=600",
     "wins=on 75 m and on 60 m, each within 2 m for the last two minutes of its five and a half",

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
+import pytest
+
 from helpers.installation import installed
 from helpers.places import environment
 from trainer.verify.soak.session_process import Caller
@@ -24,6 +26,10 @@ SIZES: Final = {
     "desk": (1920, 1080),
     "4k": (3840, 2160),
 }
+OFTEN: Final = ("phone", "laptop")  # the sizes of the short run
+IN_SHORT: Final = [
+    pytest.param(size, marks=[] if size in OFTEN else pytest.mark.slow) for size in SIZES
+]
 PALETTES: Final = ("dusk", "day", "night")
 QUIET: Final = (  # nothing but the page asks for anything
     *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),

@@ -226,8 +226,8 @@ def test_a_frozen_session_waits_at_its_local_socket(
     "wrong",
     [
         ("--listen", "127.0.0.1:99999"),
-        ("--line", "helm=/nowhere/tty"),
-        ("--socket", f"{__file__}/s"),
+        pytest.param(("--line", "helm=/nowhere/tty"), marks=pytest.mark.slow),
+        pytest.param(("--socket", f"{__file__}/s"), marks=pytest.mark.slow),
         ("--csv", f"{__file__}/it.csv"),
     ],
 )

@@ -251,7 +251,7 @@ def test_a_fault_loses_nothing_that_is_journalled(
     assert tried.times == times or "not tried" in str(tried.seen)
 
 
-DAMAGED = 5  # recordings of each way; `trainer soak --damaged 2000` opens more
+DAMAGED = 3  # recordings of each way; `trainer soak --damaged 2000` opens more
 
 
 @pytest.fixture(scope="module")

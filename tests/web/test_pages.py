@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 from helpers.hands import EACH_WAY, work
-from helpers.pages import SIZES, Served
+from helpers.pages import IN_SHORT, Served
 from playwright.sync_api import Page, expect
 
 Serve = Callable[..., Served]
@@ -82,7 +82,7 @@ def type_word(page: Page, way: str) -> None:
     expect(page.locator("#state")).to_have_text("FROZEN")
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", IN_SHORT)
 def test_the_keys_of_the_first_page_are_large(shared: Served, look: Look, size: str) -> None:
     page = look(shared, size=size)
 

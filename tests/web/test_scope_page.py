@@ -6,7 +6,7 @@ from typing import Final
 
 import pytest
 from helpers.hands import WAYS, await_truth, read, work
-from helpers.pages import SIZES, Served, served
+from helpers.pages import IN_SHORT, SIZES, Served, served
 from playwright.sync_api import Page, expect
 
 from trainer.verify.soak.session_process import Caller
@@ -167,7 +167,7 @@ def test_a_trainee_s_page_is_told_no_range(traffic: Served, look: Look) -> None:
     assert not traffic.attach("scope").ask("subscribe lookout")[0]
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", IN_SHORT)
 @pytest.mark.usefixtures("desk")
 def test_the_view_and_every_key_have_room(traffic: Served, look: Look, size: str) -> None:
     page = opened(look, traffic, size=size)
