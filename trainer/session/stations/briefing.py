@@ -19,7 +19,7 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.session.crew import BY_HAND
 from trainer.session.stations.display import WIDTH
 from trainer.session.stations.panels import TONNE
-from trainer.session.stations.roles import INSTRUCTOR, Role
+from trainer.session.stations.roles import INSTRUCTOR, Role, refusal
 from trainer.units import KNOT
 
 OPEN: Final = frozenset({"depth", "pitch", "heel", "speed", "showing", "time"})  # no secrets
@@ -120,14 +120,14 @@ OF_STATIONS: Final = ("stern planes dive 5", "flood depth-control 1", "scope rai
 
 
 def hint(role: Role, hand: Collection[str]) -> str:
-    """Return some orders that a station may give, where ``hand`` has the axes worked by hand."""
+    """Return some orders that a station may give; ``hand`` has the axes worked by hand."""
     if role.name == "observer":
         return OBSERVER
     by_hand = [order for axis, (_, order) in BY_HAND.items() if axis in hand]
     given = [words for words in (by_hand or AUTOMATIC) if may_order(role, words)]
     given = given or [words for words in OF_STATIONS if may_order(role, words)]
-    repeats = ["aye"] if hand and "aye" in role.commands else []
-    last = "quit" if "quit" in role.commands else "detach"
+    repeats = ["aye"] if hand and may_order(role, "aye") else []
+    last = "quit" if may_order(role, "quit") else "detach"
     opening = "by hand: " if hand else "type an order, such as: "
     return opening + "   ".join((*given[: 2 if repeats else 3], *repeats, "help", last))
 
@@ -135,7 +135,7 @@ def hint(role: Role, hand: Collection[str]) -> str:
 def may_order(role: Role, words: str) -> bool:
     """Return whether a role may give an order, as it is typed."""
     order = parse(words)
-    return isinstance(order, Order) and order.name in role.commands
+    return isinstance(order, Order) and refusal(role, order) is None
 
 
 def is_open(loss: Loss) -> bool:
