@@ -1,6 +1,5 @@
 """The screens: drawn, typed at, resized, cut off and brought back, without a terminal."""
 
-import asyncio
 import itertools
 import math
 import re
@@ -18,6 +17,7 @@ from helpers.screens import (
     at_the_console,
     names,
     pressed,
+    run_aside,
     seen,
     shown,
     sight_of,
@@ -581,7 +581,7 @@ def test_before_the_session_is_there_nothing_is_said_of_the_boat_and_at_once_the
             await seen(pilot, app, "RUNNING")
             assert "making ready" not in shown(app)
 
-    asyncio.run(run())
+    run_aside(run())
 
 
 def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:
@@ -628,7 +628,7 @@ def test_while_the_next_exercise_is_made_ready_no_line_is_no_alarm() -> None:
             talk.items.append(Lost(dialled))
             await seen(pilot, app, "NO LINE")
 
-    asyncio.run(wait())
+    run_aside(wait())
 
 
 def test_a_session_that_says_nothing_more_is_called_out() -> None:
@@ -644,7 +644,7 @@ def test_a_session_that_says_nothing_more_is_called_out() -> None:
             now[0] += 7.0
             await seen(pilot, app, "NO DATA for 7 s")
 
-    asyncio.run(wait())
+    run_aside(wait())
 
 
 def test_a_console_that_is_not_let_in_says_why_and_ends() -> None:

@@ -1,6 +1,5 @@
 """The choice of an exercise before there is a session."""
 
-import asyncio
 import contextlib
 import math
 import os
@@ -11,7 +10,7 @@ from dataclasses import replace
 
 import pytest
 from helpers.places import environment
-from helpers.screens import typed
+from helpers.screens import run_aside, typed
 from textual.pilot import Pilot
 
 from trainer.cli import run as command
@@ -51,7 +50,7 @@ def chosen(*keys: str, size: tuple[int, int] = (80, 24)) -> tuple[Done | None, s
         async with screen.run_test(size=size) as pilot:
             await press(pilot)
 
-    asyncio.run(run())
+    run_aside(run())
     return screen.return_value, text
 
 

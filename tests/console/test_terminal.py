@@ -1,6 +1,5 @@
 """The console as its user has it: keystrokes in a real terminal, a session in its own process."""
 
-import asyncio
 import contextlib
 import fcntl
 import os
@@ -19,6 +18,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.screens import run_aside
 
 from trainer.console.app import Console
 from trainer.console.client import Client
@@ -453,7 +453,7 @@ def test_the_session_takes_every_key_of_the_crew_for_an_order_of_theirs(served: 
         client.start()
         app = Console(SessionModel(client, role, post.charts))
         keys = [key for key in KEYS[role] if isinstance(key.act, Give | Move)]
-        log = asyncio.run(typed(app, [key.names[0] for key in keys]))
+        log = run_aside(typed(app, [key.names[0] for key in keys]))
         client.close(5.0)
 
         assert len([entry for entry in log if entry.kind == "sent"]) == len(keys) + 1

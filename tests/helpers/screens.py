@@ -3,8 +3,10 @@
 import asyncio
 import itertools
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 from textual.pilot import Pilot
 
@@ -112,7 +114,14 @@ def sight_of(talk: Tape, role: str = "instructor", clock: float = 100.0) -> Sess
     return SessionModel(talk, role, LAYOUTS[role].charts, clock=lambda: clock)
 
 
+Done = TypeVar("Done")
 Act = Callable[[Pilot[str], Console], Awaitable[None]]
+
+
+def run_aside(work: Coroutine[Any, Any, Done]) -> Done:
+    """Run in a thread of its own: a browser of this process has a loop in the main one."""
+    with ThreadPoolExecutor(1) as aside:
+        return aside.submit(asyncio.run, work).result()
 
 
 def at_the_console(
@@ -128,7 +137,7 @@ def at_the_console(
                 await pilot.pause(0.02)
             await act(pilot, app)
 
-    asyncio.run(run())
+    run_aside(run())
     return app, talk
 
 
