@@ -303,7 +303,7 @@ def test_alerts_of_what_has_not_come_yet_are_forgotten() -> None:
 def test_whoever_comes_is_offered_orders_that_he_may_give(role: str, hand: tuple[str, ...]) -> None:
     offered = hint(ROLES[role], frozenset(hand))
     assert len(offered) <= 79
-    for words in offered.partition(": ")[2].split("   "):
+    for words in filter(None, offered.partition(": ")[2].split("   ")):
         order = parse(words)
         assert isinstance(order, Order), words
         assert order.name in ROLES[role].commands, words
@@ -313,7 +313,8 @@ def test_who_has_no_place_yet_is_told_how_to_take_one() -> None:
     boat = attended("crossing-traffic", "scope")
     (line,) = boat.lines.values()
     boat.session.greet(boat.session.event_log.stations[0])
-    assert "role scope" in line.sent[-1]
+    assert "role and its name takes a place" in line.sent[-1]
+    assert "depth" not in line.sent[-1]
     boat.enter()
     boat.session.greet(boat.session.event_log.stations[0])
     assert "scope raise" in line.sent[-1]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from trainer.cli import ships
-from trainer.cli.answers import AHEAD, Number, json_of, outputs, show
+from trainer.cli.answers import AHEAD, Number, bar, json_of, outputs, show
 from trainer.cli.options import CSV, HTML, PDF, SEA, VESSEL, options_given, together
 from trainer.cli.types import File, Word
 from trainer.config.words import EQUATIONS
@@ -290,10 +290,8 @@ def write_guide(file: Any, legs: Any, made: str, cores: int | None) -> Any:
     from trainer.analysis.guide.programme import processors  # noqa: PLC0415
 
     count = len(contents.tasks(file, legs))
-    with click.progressbar(
-        length=count, label="flying", file=sys.stderr, hidden=not sys.stderr.isatty()
-    ) as bar:
-        return contents.write(file, legs, made, cores or processors(), lambda: bar.update(1))
+    with bar(count, "flying") as step:
+        return contents.write(file, legs, made, cores or processors(), lambda: step(1))
 
 
 def write_document(text: str, html: Path | None, pdf: Path | None) -> None:

@@ -392,7 +392,14 @@ def progress_bar(last_tick: float) -> Iterator[Any]:
     with click.progressbar(
         length=int(last_tick), label="simulating", file=sys.stderr, update_min_steps=200
     ) as bar:
-        yield lambda tick: bar.update(tick - bar.pos - bar._completed_intervals)  # noqa: SLF001
+        shown = 0
+
+        def show(tick: int) -> None:
+            nonlocal shown
+            bar.update(tick - shown)
+            shown = tick
+
+        yield show
 
 
 @contextlib.contextmanager

@@ -114,15 +114,18 @@ TITLES: Final = {
 }
 
 
-OBSERVER: Final = "take a place, such as: role helm   role diving   role scope   help   detach"
+UNSETTLED: Final = "help lists the orders; role and its name takes a place; detach leaves"
 AUTOMATIC: Final = ("depth 80", "course 090", "rudder left 15")
 OF_STATIONS: Final = ("stern planes dive 5", "flood depth-control 1", "scope raise")
 
 
 def hint(role: Role, hand: Collection[str]) -> str:
-    """Return some orders that a station may give; ``hand`` has the axes worked by hand."""
+    """Return some orders that a station may give; ``hand`` has the axes worked by hand.
+
+    An observer may be about to say what it is, as screens do: it is told no orders.
+    """
     if role.name == "observer":
-        return OBSERVER
+        return UNSETTLED
     by_hand = [order for axis, (_, order) in BY_HAND.items() if axis in hand]
     given = [words for words in (by_hand or AUTOMATIC) if may_order(role, words)]
     given = given or [words for words in OF_STATIONS if may_order(role, words)]
