@@ -605,11 +605,40 @@ def test_a_writer_far_ahead_waits_for_what_is_being_brought_home(
         assert ahead.stat().st_size < 3_000_000
 
 
+class Slow(sqlite3.Connection):
+    """A connection that the run's own thread brings home with, on a slow disk."""
+
+    begun = 0
+
+    def execute(self, sql: str, /, *values: Any) -> sqlite3.Cursor:
+        if sql == checkpoint.BRING_HOME and threading.current_thread().name != "checkpoints":
+            Slow.begun += 1
+            time.sleep(0.3)
+        return super().execute(sql, *values)
+
+
+def test_a_slow_disk_that_the_run_waits_for_is_not_out_of_reach(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checkpoint, "EVERY", 0.002)  # the thread looks while the run waits
+    monkeypatch.setattr(checkpoint, "FAR", 1_000_000)
+    monkeypatch.setattr(sqlite3, "connect", functools.partial(sqlite3.connect, factory=Slow))
+    with closing(begin(path)) as recording:
+        for tick in range(1, 6_000):
+            recording.state(tick, state_of(tick))
+        assert Slow.begun
+        assert not recording.trouble
+        assert recording.absences == 0
+        recording.flush()
+        assert recording.latest().tick == tick
+
+
 def test_a_reader_who_stays_in_the_past_is_waited_for_once_in_a_while_only(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(checkpoint, "FAR", 1_000_000)
     monkeypatch.setattr(recording_module, "BATCH", 20)
+    monkeypatch.setattr(recording_module, "PATIENCE", 60.0)  # a session goes on sooner, without
     asked: list[str] = []
     connect = file_module.connect
 
@@ -629,7 +658,7 @@ def test_a_reader_who_stays_in_the_past_is_waited_for_once_in_a_while_only(
         for tick in range(4_000, 8_000):
             recording.state(tick, state_of(tick))
         left = path.with_name(path.name + "-wal").stat().st_size
-        recording.flush(60.0)  # a reader of a session goes on sooner, with what is there
+        recording.flush(60.0)
         assert recording.latest().tick == tick
 
     assert 5 < checkpoints < 25  # of two hundred commits

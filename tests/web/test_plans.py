@@ -29,6 +29,7 @@ def opened(session: Served, look: Look, way: str = "mouse", size: str = "desk") 
     """Return the page, with no window before it, in a browser that may be touched."""
     page = look(session, "instructor", size=size, has_touch=way == "touch")
     expect(page.locator("#offers li").first).to_be_attached()
+    expect(page.locator("#exercise")).to_be_visible()  # it opens by itself at the start
     page.keyboard.press("Escape")
     expect(page.locator("#exercise")).to_be_hidden()
     return page

@@ -328,9 +328,13 @@ class Recording:
 
     def _write(self, patience: float) -> None:
         """Write what waits, or go without; nobody is waited for longer than `patience` [s]."""
-        if not self._writing_it.acquire(timeout=patience):
+        if self._writing_it.acquire(timeout=patience):
+            self._commit_or_lose(patience)
+        else:
             self._lose("its disk does not answer")
-            return
+
+    def _commit_or_lose(self, patience: float) -> None:
+        """Write what waits, by whoever holds the connection, and release it."""
         try:
             self._commit(patience)
         except sqlite3.Error as error:
@@ -366,10 +370,11 @@ class Recording:
 
     def _tend(self) -> None:
         """Commit what waits, or try to reach the recording again; in the thread of its own."""
-        if not self.trouble:
-            self.flush()
-        elif not self.reachable and time.monotonic() > self._tried + AGAIN:
-            self._reach()
+        if self.trouble:
+            if not self.reachable and time.monotonic() > self._tried + AGAIN:
+                self._reach()
+        elif any(self._waiting.values()) and self._writing_it.acquire(blocking=False):
+            self._commit_or_lose(BRIEFLY)  # else it is being written
 
     def _reach(self) -> None:
         """Try to write again; after a gap only whether it could be."""
