@@ -4,13 +4,15 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, expect, sync_playwright
 
-from helpers.pages import QUIET, SIZES, Heard, Served, find_chromium, served
+from helpers.pages import PATIENCE, QUIET, SIZES, Heard, Served, find_chromium, served
 from trainer.verify.soak.session_process import Caller
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]
+
+expect.set_options(timeout=1000.0 * PATIENCE)  # [ms]
 
 
 @pytest.fixture(scope="session")

@@ -19,7 +19,7 @@ from trainer.io.orders import sentences
 from trainer.io.orders.sentences import read
 from trainer.session.stations.channels import CHANNELS
 
-PATIENCE = 10.0  # [s]
+PATIENCE = 60.0  # [s]
 CREW = ("helm", "planes", "pilot", "ballast", "diving", "observer")
 VALUES = {
     "depth": "60.0", "heading": "359.5", "speed": "10.0", "pitch": "-2.0", "heel": "1.0",

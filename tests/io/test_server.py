@@ -25,7 +25,7 @@ from trainer.io.orders.grammar import LONGEST
 from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.server import ROOM, STRANGERS, TURNED_AWAY, Server
 
-PATIENCE = 10.0  # [s]  far beyond what any wait here needs
+PATIENCE = 60.0  # [s]  far beyond what any wait here needs
 needs_local = pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="no local sockets here")
 needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
 

@@ -20,7 +20,7 @@ from trainer.io.orders.grammar import LONGEST
 from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.status_line import View, header, state_line
 
-PATIENCE = 10.0  # [s]  far beyond what any wait here needs
+PATIENCE = 60.0  # [s]  far beyond what any wait here needs
 needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
 
 

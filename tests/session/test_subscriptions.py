@@ -13,7 +13,7 @@ from trainer.session.stations.subscriptions import Promptly, Publisher, Roster, 
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 
-PATIENCE = 10.0  # [s] far beyond what any wait here needs
+PATIENCE = 60.0  # [s] far beyond what any wait here needs
 KNOT = 1852.0 / 3600.0
 RUNNING, FROZEN = Pace(), Pace(frozen=True)
 

@@ -236,7 +236,7 @@ def test_the_cover_falls_shut_again_and_two_taps_do_not_blow(
     cover.dblclick()
     expect(push).to_be_enabled()
     expect(page.locator("emergency-cover .left")).to_contain_text("shuts in")
-    expect(push).to_be_disabled(timeout=8000)
+    expect(push).to_be_disabled()
     step(instructor, 1)
     assert read(instructor, "valves.blow_mid") == "shut"
 

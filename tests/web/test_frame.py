@@ -13,7 +13,6 @@ from trainer.verify.soak.session_process import Caller
 
 Look = Callable[..., Page]
 CREW: Final = ("helm", "planes", "pilot", "ballast", "diving")
-SLOW: Final = 30_000  # [ms] for what comes after seconds
 PITCH: Final = 1200  # [Hz] of the bell
 LISTEN: Final = """() => {
   window.struck = [];
@@ -79,7 +78,7 @@ def test_an_alert_is_in_plain_words_without_its_tick_and_is_acknowledged(
     for words in ("stern planes dive 12", "time max", "run"):
         assert instructor.ask(words)[0]
     alert = page.locator("alert-bar .alert", has_text=re.compile("test depth", re.IGNORECASE))
-    expect(alert.first).to_be_visible(timeout=SLOW)
+    expect(alert.first).to_be_visible()
     for words in ("freeze", "time x1"):
         assert instructor.ask(words)[0]
     assert heard(instructor, "tick ")  # as programs are told

@@ -173,8 +173,8 @@ def test_a_lever_held_down_is_taken_and_given_back_before_ninety_metres(
     for _ in range(4):
         slider(page).press("Shift+ArrowDown")
 
-    expect(page.locator("#task")).to_contain_text("levels by itself", timeout=60_000)
-    expect(page.locator("#task")).not_to_contain_text("levels by itself", timeout=60_000)
+    expect(page.locator("#task")).to_contain_text("levels by itself")
+    expect(page.locator("#task")).not_to_contain_text("levels by itself")
 
     assert 60.0 < float(kiosk.read("gauges")[0]) < 90.0
     put_lever(page, -3)
@@ -303,10 +303,10 @@ def test_a_lost_line_is_told_kindly_and_the_kiosk_comes_back(look: Look) -> None
         page.locator("#start").click()
         scene(page, "dive")
         session.process.send_signal(signal.SIGSTOP)
-        expect(page.locator(".waiting")).to_be_visible(timeout=20_000)
+        expect(page.locator(".waiting")).to_be_visible()
         expect(page.locator(".waiting")).to_contain_text("kommt von selbst zurück")
         session.process.send_signal(signal.SIGCONT)
-        expect(page.locator(".waiting")).to_be_hidden(timeout=20_000)
+        expect(page.locator(".waiting")).to_be_hidden()
         if page.locator("body").get_attribute("data-scene") == "dive":
             page.locator("#stop").click()
         page.locator("#start").click()

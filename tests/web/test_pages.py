@@ -51,7 +51,7 @@ def test_the_first_page_tells_what_is_sailed_and_who_is_where(serve: Serve, look
     expect(look(session, "planes").locator("#state")).to_have_text("ENDED")
     late = look(session, "instructor")
     expect(late.locator("#state")).to_have_text("ENDED")
-    expect(late.locator("#exercise-body .big")).to_contain_text("marks of 100", timeout=60_000)
+    expect(late.locator("#exercise-body .big")).to_contain_text("marks of 100")
 
 
 def test_a_session_with_a_word_tells_nothing_before_and_takes_it_by_every_hand(

@@ -12,7 +12,6 @@ from playwright.sync_api import Page, expect
 from trainer.verify.soak.session_process import Caller
 
 Look = Callable[..., Page]
-SLOW: Final = 60_000  # [ms] for what comes after seconds
 TRAFFIC: Final = """\
 schema = "exercise/1"
 name = "Traffic"
@@ -192,7 +191,7 @@ def test_a_mast_that_is_down_shows_nothing_and_says_so(shared: Served, look: Loo
 def test_the_instructor_sees_mast_and_exposure(traffic: Served, look: Look) -> None:
     page = look(traffic, "instructor", size="desk")
     row = page.locator("tr[data-of=mast]")
-    expect(row).to_contain_text("8.0 out", timeout=SLOW)
+    expect(row).to_contain_text("8.0 out")
     expect(row).to_contain_text("shown")
 
 

@@ -89,13 +89,13 @@ def test_alerts_are_shown_and_nothing_on_the_wall_can_be_worked(look: Look) -> N
         expect(page.locator("#state")).to_have_text("RUNNING")
         session.process.send_signal(signal.SIGSTOP)
         try:
-            expect(page.locator("alert-bar .alert")).to_contain_text("No link", timeout=20_000)
+            expect(page.locator("alert-bar .alert")).to_contain_text("No link")
             expect(page.locator("boat-side")).to_have_attribute("data-stale", "")
             worked = page.locator(":is(button, input, select, a):visible")
             assert worked.count() == 0
         finally:
             session.process.send_signal(signal.SIGCONT)
-        expect(page.locator("#state")).to_have_text("RUNNING", timeout=20_000)
+        expect(page.locator("#state")).to_have_text("RUNNING")
 
 
 def test_the_pointer_goes_when_it_is_still_and_comes_back_when_it_moves(
