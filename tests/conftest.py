@@ -1,11 +1,13 @@
 """Boats for the tests."""
 
+import math
 import os
 import signal
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 from helpers.installation import install
@@ -26,8 +28,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile once what several processes would compile side by side: the core, fits and fleets.
 
-    Fleets have the core in them and come last, beside the first tests. So is the browser installed,
-    where that is allowed.
+    Fleets have the core in them and come last, beside the first tests, as ships that are not linear
+    do. So is the browser installed, where that is allowed.
     """
     if not getattr(session.config.option, "numprocesses", None):
         return
@@ -42,8 +44,10 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     few = ["--members", "2", "--jobs", "1", "--out", f"{folder.name}/few"]
     fleets = started("trainer", "sweep", "turn-uncertainty", *few)
     assert_done(fits)
+    ships = started("helpers.ships")
     session.config.add_cleanup(folder.cleanup)
     session.config.add_cleanup(lambda: assert_done(fleets))
+    session.config.add_cleanup(lambda: assert_done(ships))
 
 
 def assert_done(process: subprocess.Popen[bytes]) -> None:
@@ -53,23 +57,29 @@ def assert_done(process: subprocess.Popen[bytes]) -> None:
 
 def started(*words: str) -> subprocess.Popen[bytes]:
     """Start a module, or a command, that is silent."""
-    return subprocess.Popen([sys.executable, "-m", *words], stdout=subprocess.DEVNULL)
+    return subprocess.Popen(
+        [sys.executable, "-m", *words],
+        stdout=subprocess.DEVNULL,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parent)},
+    )
 
 
 @pytest.hookimpl(trylast=True)  # of those that are chosen
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with tests that wait in half of four processes, and with those that compute elsewhere.
+    """Begin with tests that wait in half of the processes, with those that compute in the others.
 
-    Each process takes a quarter as it stands here, and what others have left over.
+    Each process takes its share as it stands here, and what others have left over.
     """
+    processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    half = max(processes // 2, 1)
     waiting = [item for item in items if item.path.parent.name in WAITING]
     computing = [item for item in items if item.path.parent.name not in WAITING]
-    half, rest = len(waiting) // 2, max((len(items) - 2 * len(waiting)) // 4, 0)
-    items[:] = [
-        *(waiting[:half] + computing[:rest]),
-        *(waiting[half:] + computing[rest : 2 * rest]),
-        *computing[2 * rest :],
-    ]
+    few = math.ceil(len(waiting) / half)
+    beside = max(len(items) // processes - few, 0)
+    items.clear()
+    for i in range(half):
+        items += waiting[i * few : (i + 1) * few] + computing[i * beside : (i + 1) * beside]
+    items += computing[half * beside :]
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -82,6 +82,7 @@ def test_an_alert_is_in_plain_words_without_its_tick_and_is_acknowledged(
     for words in ("freeze", "time x1"):
         assert instructor.ask(words)[0]
     assert heard(instructor, "tick ")  # as programs are told
+    expect(page.locator("#state")).to_have_text("FROZEN")  # nothing more is coming
     told = page.locator("alert-bar .alert b").all_inner_texts()
     assert not [words for words in told if re.search(r"\btick\b|\(\d", words)]
     new = page.locator("alert-bar .alert[data-new] b").get_by_text(told[0], exact=True)
