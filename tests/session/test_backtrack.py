@@ -102,6 +102,7 @@ class Bridge:
     heard: list[str] = field(default_factory=list)
     troubles: deque[str] = field(default_factory=deque)
     shown: Callable[[int, bytes, Pace], None] = lambda _tick, _state, _pace: None
+    stepping: Callable[[], object] = lambda: False
     name: str = "bridge"
     trouble: str = ""
     dropped: int = 0
@@ -109,7 +110,7 @@ class Bridge:
 
     def take(self, _most: int) -> list[str]:
         self.wake.set()
-        return [next(self.typed, "quit")]
+        return [] if self.stepping() else [next(self.typed, "quit")]
 
     def send(self, line: str) -> None:
         self.heard.append(line)
@@ -147,6 +148,7 @@ class Ship:
             schedule=self.plan.schedule,
             wake=self.bridge.wake,
         )
+        self.bridge.stepping = lambda: self.session.control.steps  # a busy machine is heard between
         self.session.event_log.stations.append(
             Station(self.bridge, Access("instructor"), self.bridge, self.session.event_log.log)  # type: ignore[arg-type]
         )
