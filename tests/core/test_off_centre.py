@@ -191,6 +191,7 @@ def test_the_image_of_a_hull_that_breaks_surface_is_lifted_as_its_image() -> Non
 @pytest.mark.skipif(
     not shutil.which("gcc") and not shutil.which("cc"), reason="there is no C compiler"
 )
+@pytest.mark.long
 @pytest.mark.parametrize("kept", [("y_G",), ("x_B", "y_B", "I_xy"), ALL], ids=" ".join)
 def test_the_tick_in_plain_c_takes_a_boat_off_centre_to_the_same_bits(
     kept: tuple[str, ...],

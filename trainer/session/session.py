@@ -38,7 +38,7 @@ from trainer.session.time.ledger import SECOND
 from trainer.session.time.pacer import WOKEN, Event
 from trainer.session.time.timekeeping import Timekeeping
 
-AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
+AT_A_TIME: Final = SECOND // 5  # [ns] of single steps before the stations are heard again
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
 QUESTIONS: Final = frozenset({"status", "who", "briefing", "casualties", "log", "plans"})
