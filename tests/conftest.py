@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from helpers.installation import install
+from helpers.pages import HEADLESS
 from helpers.places import DATA
 
 from trainer.boat.assemble import Method
@@ -29,7 +30,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile once what several processes would compile side by side: the core, fits and fleets.
 
     Fleets have the core in them and come last, beside the first tests, as ships that are not linear
-    do. So is the browser installed, where that is allowed.
+    do. So are the browsers installed, where that is allowed.
     """
     if not getattr(session.config.option, "numprocesses", None):
         return
@@ -38,7 +39,8 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         assert_done(core)
         return
     fits = started("trainer", "identify", "--example")
-    install("chromium", "chromium", 600.0)
+    for browser in ("chromium", HEADLESS):
+        install(browser, browser, 600.0)
     assert_done(core)
     folder = tempfile.TemporaryDirectory()
     few = ["--members", "2", "--jobs", "1", "--out", f"{folder.name}/few"]

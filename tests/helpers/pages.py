@@ -36,12 +36,13 @@ QUIET: Final = (  # nothing but the page asks for anything
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
     *("--autoplay-policy=no-user-gesture-required", "--hide-scrollbars"),
 )
+HEADLESS: Final = "chromium-headless-shell"  # Chromium without windows: a quarter less to compute
 PATIENCE: Final = 60.0  # [s] ten times what it takes on two busy cores
 
 
 def find_chromium() -> str:
     """Return the path of Chromium; where there is none the test is skipped, and says so."""
-    for name in ("chromium-browser", "google-chrome"):
+    for name in (HEADLESS, "chromium-browser", "google-chrome"):
         if found := shutil.which(name):
             return found
     return installed("chromium", "chromium")
