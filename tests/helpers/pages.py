@@ -16,6 +16,7 @@ import pytest
 
 from helpers.installation import installed
 from helpers.places import environment
+from trainer.analysis.report.html import find_browser
 from trainer.verify.soak.session_process import Caller
 
 SIZES: Final = {
@@ -42,10 +43,7 @@ PATIENCE: Final = 60.0  # [s] ten times what it takes on two busy cores
 
 def find_chromium() -> str:
     """Return the path of Chromium; where there is none the test is skipped, and says so."""
-    for name in (HEADLESS, "chromium-browser", "google-chrome"):
-        if found := shutil.which(name):
-            return found
-    return installed("chromium", "chromium")
+    return shutil.which(HEADLESS) or find_browser() or installed("chromium", "chromium")
 
 
 def free_port() -> int:

@@ -13,7 +13,7 @@ from helpers.places import ROOT
 
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import fly
-from trainer.analysis.manoeuvres.nomoto_ship import Steered
+from trainer.analysis.manoeuvres.nomoto_ship import NomotoShip
 from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.guide import manoeuvre
@@ -51,7 +51,7 @@ def nomoto_file(**changes: Any) -> Any:
 
 
 def test_a_nomoto_ship_turns_at_its_gain_after_long() -> None:
-    ship = Steered(nomoto_file(K_v_m_s=2.0, T3v_s=3.0))
+    ship = NomotoShip(nomoto_file(K_v_m_s=2.0, T3v_s=3.0))
     ship.start(SPEED)
     ship.order("rudder", math.radians(10.0))
     for _ in range(1200):
@@ -66,7 +66,7 @@ def test_a_nomoto_ship_turns_at_its_gain_after_long() -> None:
 @pytest.mark.parametrize("second", [{}, {"T2_s": 0.0, "T3_s": 0.0}])
 def test_a_bent_ship_turns_as_its_steady_equation_says(second: Any) -> None:
     # r - kappa K |r| r = K delta with K = -0.05, kappa = 400, delta = -0.2: r + 20 r^2 = 0.01
-    ship = Steered(nomoto_file(kappa_s2=400.0, **second))
+    ship = NomotoShip(nomoto_file(kappa_s2=400.0, **second))
     ship.start(SPEED)
     ship.order("rudder", 0.2)
     for _ in range(2000):
@@ -77,7 +77,7 @@ def test_a_bent_ship_turns_as_its_steady_equation_says(second: Any) -> None:
 
 def test_a_ship_with_bech_s_curve_turns_as_its_steady_helm_says() -> None:
     curve = {"H1_s": 9.0, "H2_s2": -700.0, "H3_s3": -4e4}
-    ship = Steered(nomoto_file(K_per_s=0.11, T1_s=-300.0, T2_s=13.0, T3_s=33.0, **curve))
+    ship = NomotoShip(nomoto_file(K_per_s=0.11, T1_s=-300.0, T2_s=13.0, T3_s=33.0, **curve))
     ship.start(SPEED)
     ship.order("rudder", -0.3)  # to port
     for _ in range(4000):
@@ -88,7 +88,7 @@ def test_a_ship_with_bech_s_curve_turns_as_its_steady_helm_says() -> None:
 
 
 def test_a_first_order_ship_follows_its_exponential() -> None:
-    ship = Steered(nomoto_file(T2_s=0.0, T3_s=0.0, rudder_rate_deg_s=1000.0))
+    ship = NomotoShip(nomoto_file(T2_s=0.0, T3_s=0.0, rudder_rate_deg_s=1000.0))
     ship.start(SPEED)
     ship.order("rudder", 0.1)
     for _ in range(60):
@@ -99,7 +99,7 @@ def test_a_first_order_ship_follows_its_exponential() -> None:
 
 
 def test_a_nomoto_ship_flies_a_zigzag_like_any_vehicle() -> None:
-    flight = fly(Steered(nomoto_file()), ZigZag(angle_deg=10.0, execute_deg=10.0), SPEED)
+    flight = fly(NomotoShip(nomoto_file()), ZigZag(angle_deg=10.0, execute_deg=10.0), SPEED)
     assert len([mark for mark in flight.marks if mark.name == "execute"]) > 2
     assert flight.lost == ""
 
@@ -110,7 +110,7 @@ def spin(ship: Any) -> None:
 
 
 def test_an_unstable_ship_is_lost_and_another_speed_refused() -> None:
-    ship = Steered(nomoto_file(T1_s=-5.0, K_per_s=0.05))
+    ship = NomotoShip(nomoto_file(T1_s=-5.0, K_per_s=0.05))
     ship.start(SPEED)
     ship.order("rudder", 0.3)
     with pytest.raises(LostError, match="spins"):
@@ -157,7 +157,7 @@ def test_the_file_of_an_identified_ship_flies_a_manoeuvre(tmp_path: Path) -> Non
     result = sailed(tmp_path, "zigzag-10", "--json", "--step", "0.25")
     report = json.loads(result.stdout)
     measures = {one["name"]: one["value"] for one in report["measures"]}
-    flight = fly(Steered(nomoto_file(step_s=0.25)), find_manoeuvre("zigzag-10"), SPEED)
+    flight = fly(NomotoShip(nomoto_file(step_s=0.25)), find_manoeuvre("zigzag-10"), SPEED)
     assert report["speed_kn"] == pytest.approx(10.0)
     assert measures["heading peak 1"] == pytest.approx(
         next(

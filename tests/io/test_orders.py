@@ -12,7 +12,7 @@ from trainer.io.lines import LineDecoder
 from trainer.io.orders.grammar import LONGEST, BadOrder, Order, parse
 from trainer.io.orders.help import WIDTH, help_text, page
 from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
-from trainer.io.orders.table import FORMS, SESSION, TOPICS, Word, heading_word, place
+from trainer.io.orders.table import FORMS, MEANT, SESSION, TOPICS, Word, heading_word, place
 
 KNOT = 1852 / 3600
 DEG = math.pi / 180
@@ -150,7 +150,11 @@ def test_an_order_is_understood(line: str, name: str, value: float, word: str, t
     ("line", "reason"),
     [
         ("dpeth 80", "did you mean depth?"),
+        ("rnu", "did you mean run?"),
         ("xyzzy", "help lists them"),
+        ("broken", "help lists them"),  # a word that begins otherwise is not offered
+        ("pause", "did you mean freeze?"),
+        ("break stern planes", "did you mean casualty?"),
         ("sea wind 101", "0 to 100 kn"),
         ("sea state 5.5", "has no decimals"),
         ("sea sideways", "expected state, wind, height, from or calm"),
@@ -305,6 +309,15 @@ def test_a_shortened_order_means_the_same_or_is_refused(
     # Units cannot be cut: "k" is no knot and "m" is no m/s, so both may be refused; nothing else is
     # ever understood instead.
     assert short == parse(whole) or isinstance(short, BadOrder)
+
+
+def test_what_people_say_first_is_no_order_and_leads_to_one() -> None:
+    heads = {heading_word(form) for form in FORMS}
+    assert set(MEANT.values()) <= heads
+    for said in MEANT:
+        found = parse(said)
+        assert isinstance(found, BadOrder), found
+        assert found.reason == f'"{said}" is no order; did you mean {MEANT[said]}?'
 
 
 def test_the_page_of_orders_is_that_of_the_table() -> None:

@@ -633,6 +633,35 @@ def test_a_slow_disk_that_the_run_waits_for_is_not_out_of_reach(
         assert recording.latest().tick == tick
 
 
+class Held(sqlite3.Connection):
+    """A connection that the recording's thread commits with, on a disk that does not answer."""
+
+    reached, answers = threading.Event(), threading.Event()
+
+    def execute(self, sql: str, /, *values: Any) -> sqlite3.Cursor:
+        if sql == "COMMIT" and threading.current_thread().name == "checkpoints":
+            Held.reached.set()
+            assert Held.answers.wait(60.0)
+        return super().execute(sql, *values)
+
+
+def test_a_disk_that_answers_again_is_written_to_at_once(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checkpoint, "EVERY", 0.002)
+    monkeypatch.setattr(recording_module, "AGAIN", 1000.0)
+    monkeypatch.setattr(sqlite3, "connect", functools.partial(sqlite3.connect, factory=Held))
+    with closing(begin(path)) as recording:
+        recording.state(1, state_of(1))
+        assert Held.reached.wait(60.0)
+        recording.order(1, "helm", "depth 50")
+        assert "does not answer" in recording.trouble
+        Held.answers.set()
+        assert within(60.0, lambda: not recording.trouble)
+        assert (recording.missing, recording.absences) == ("", 1)
+        assert [each.text for each in recording.orders(1)] == ["depth 50"]
+
+
 def test_a_reader_who_stays_in_the_past_is_waited_for_once_in_a_while_only(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -87,7 +86,7 @@ def test_the_page_names_each_figure_with_its_goal() -> None:
 
 
 def test_without_a_browser_the_bench_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shutil, "which", lambda _name: None)
+    monkeypatch.setattr(web, "find_browser", lambda: None)
 
     done = CliRunner().invoke(main.cli, ["bench", "--web"])
 

@@ -25,13 +25,13 @@ OTHER_SPEED: Final = 0.05  # [-] from the file's own, beyond which its numbers d
 Z, R, PSI, X, Y, SWAY, SWAY_RATE = range(7)
 
 
-def steer_ship(path: Path, step: float | None) -> "Steered":
+def steer_ship(path: Path, step: float | None) -> "NomotoShip":
     """Return a Nomoto file's ship. It is computed every ``step`` [s], or as the file says."""
     ship = load_nomoto(path)
-    return Steered(ship if step is None else replace(ship, step_s=step))
+    return NomotoShip(ship if step is None else replace(ship, step_s=step))
 
 
-class Steered:
+class NomotoShip:
     """A Nomoto ship under the orders of a manoeuvre."""
 
     columns = COLUMNS

@@ -92,7 +92,7 @@ def embed(data: Any) -> Markup:
 
 NAMES: Final = (
     *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
-    *("microsoft-edge", "microsoft-edge-stable", "msedge"),
+    *("microsoft-edge", "microsoft-edge-stable", "msedge", "chromium-headless-shell"),
 )
 MAC: Final = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",

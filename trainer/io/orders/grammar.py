@@ -24,6 +24,7 @@ from trainer.io.orders.phrases import meaning, nearest_phrase
 from trainer.io.orders.quantities import NUMBERS, Number, RefusedError, Unit, quantity
 from trainer.io.orders.table import (
     FORMS,
+    MEANT,
     PLANNABLE,
     SETS,
     SIGNS,
@@ -318,6 +319,14 @@ def refuse_doubt(tokens: list[str], alive: list[Reading]) -> None:
             raise RefusedError(f'"{token}" may be {either(sorted(meant.values()))}')
 
 
+def nearest_word(token: str, known: Iterable[str]) -> str:
+    """Return the word that was mistyped, "" if none is near: few mistype how a word begins."""
+    whole = difflib.get_close_matches(token, sorted(known), n=1, cutoff=0.8)
+    begun = [word for word in sorted(known) if word[0] == token[0]]
+    near = whole or difflib.get_close_matches(token, begun, n=1, cutoff=0.65)
+    return near[0] if near else ""
+
+
 def describe_unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
     """Return why token `i` fits none of the places, with the nearest word that would."""
     token, before = tokens[i], " ".join(tokens[:i])
@@ -326,8 +335,8 @@ def describe_unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
     if token[0] in "+-.0123456789" and any(isinstance(place, Number) for place in places):
         return f'"{token}" is not a plain decimal number'
     spelled = {said for place in places if isinstance(place, Word) for said, _ in place.spellings}
-    near = difflib.get_close_matches(token, sorted(spelled), n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
+    near = ("" if before else MEANT.get(token)) or nearest_word(token, spelled)
+    hint = f"; did you mean {near}?" if near else ""
     if not before:
         return f'"{token}" is no order{hint or "; help lists them"}'
     return f'"{token}" after "{before}"{hint or f": expected {either(describe_places(places))}"}'

@@ -64,7 +64,7 @@ PHRASES: Final = (
     Phrase("meet her", "meet her", "rudder meet"),
     Phrase(
         "come left to 045",
-        "[come] SIDE to [course] COURSE",
+        "[come|turn] SIDE to [course] COURSE",
         "course {side} to {n}",
         "order course {side} {n}",
     ),
@@ -107,6 +107,12 @@ PHRASES: Final = (
         "go|come [up|down] to periscope depth",
         "periscope depth",
         "order periscope depth",
+    ),
+    Phrase(
+        "dive to 60 metres",
+        "dive|descend|ascend to N [UNIT]",
+        "depth {n} {unit}",
+        "order depth {n} {unit}",
     ),
     Phrase("five degrees down bubble", "ANGLE [DEGREES] WAY BUBBLE", "order pitch {n} {way}"),
     Phrase("zero bubble", "0 [DEGREES] BUBBLE", "order pitch zero"),
@@ -152,6 +158,10 @@ PHRASES: Final = (
     Phrase("blow main ballast", "blow [all] [the] main ballast", "blow all"),
     Phrase("secure the blow", "secure [the] blow|air", "blow stop"),
     Phrase("EMBT blow", "embt blow", "emergency blow"),
+    Phrase("raise scope", "raise|up [the] scope|periscope", "scope raise"),
+    Phrase("lower scope", "lower|down [the] scope|periscope", "scope lower"),
+    Phrase("scope up", "scope|periscope up", "scope raise"),
+    Phrase("scope down", "scope|periscope down", "scope lower"),
 )
 
 UNITS: Final = (
@@ -176,12 +186,16 @@ def pattern(row: str) -> re.Pattern[str]:
     return re.compile("".join(pieces))
 
 
+def opening(row: str) -> re.Pattern[str]:
+    """Return the expression of the words that a row may begin with."""
+    items = row.split()
+    first = next(i for i, item in enumerate(items) if not item.startswith("["))
+    words = [each for item in items[: first + 1] for each in item.strip("[]").split("|")]
+    return re.compile("|".join(SLOTS.get(each, each) for each in words))
+
+
 COMPILED: Final = tuple((pattern(phrase.pattern), phrase) for phrase in PHRASES)
-OPENINGS: Final = {
-    word
-    for phrase in PHRASES
-    for word in (phrase.example.lower().split()[0], *phrase.pattern.split()[0].split("|"))
-} | {"left", "port", "starboard", "come", "steer", "all"}
+OPENINGS: Final = tuple((opening(phrase.pattern), phrase.example) for phrase in PHRASES)
 
 
 def meaning(tokens: list[str]) -> Meaning | None:
@@ -198,10 +212,14 @@ def meaning(tokens: list[str]) -> Meaning | None:
 
 def nearest_phrase(tokens: list[str]) -> str:
     """Return the phrase most like a wrong one that begins as it does. "": none."""
-    if tokens[0] not in OPENINGS:
-        return ""
-    examples = {plain_text(phrase.example.lower().split()): phrase.example for phrase in PHRASES}
-    near = difflib.get_close_matches(plain_text(tokens), examples, n=1, cutoff=0.5)
+    text = plain_text(tokens)
+    first = text.partition(" ")[0]
+    examples = {
+        plain_text(example.lower().split()): example
+        for begins, example in OPENINGS
+        if begins.fullmatch(first)
+    }
+    near = difflib.get_close_matches(text, examples, n=1, cutoff=0.5)
     return examples[near[0]] if near else ""
 
 

@@ -331,6 +331,25 @@ FORMS = (
     Form("quit=exit", "end the session"),
 )
 
+# What people say first, and the order that they are then told of.
+MEANT = {
+    **dict.fromkeys(("pause", "hold"), "freeze"),
+    **dict.fromkeys(("resume", "continue", "go", "start", "play"), "run"),
+    **dict.fromkeys(("undo", "rewind"), "backtrack"),
+    "save": "snapshot",
+    "load": "restore",
+    **dict.fromkeys(("break", "fail", "jam", "fault", "failure"), "casualty"),
+    **dict.fromkeys(("repair", "fix", "mend"), "clear"),
+    **dict.fromkeys(("ship", "ships", "target", "vessel", "contacts"), "contact"),
+    **dict.fromkeys(("look", "bearing", "mast"), "scope"),
+    **dict.fromkeys(("tide", "stream", "drift"), "current"),
+    **dict.fromkeys(("wave", "waves", "wind", "weather", "swell"), "sea"),
+    **dict.fromkeys(("deeper", "shallower", "up", "down", "descend", "ascend", "goto"), "depth"),
+    **dict.fromkeys(("faster", "slower", "knots"), "speed"),
+    **dict.fromkeys(("throttle", "engine", "engines", "propeller"), "bell"),
+    **dict.fromkeys(("where", "show", "state"), "status"),
+}
+
 # What the boat obeys, by the names of the orders; all else is the session's.
 BOAT_ORDERS = frozenset(
     (

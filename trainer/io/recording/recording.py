@@ -35,7 +35,7 @@ __all__ = [
 ]
 
 BATCH: Final = 256  # [rows] of a kind gathered at most
-BRIEFLY: Final = 0.05  # [s] that the caller waits for another program, or for the thread
+BRIEFLY: Final = 0.2  # [s] that the caller waits for another program, or for the thread
 PATIENCE: Final = 2.0  # [s] where it writes faster than the thread, and at the end
 AGAIN: Final = 2.0  # [s] between tries to reach it
 ROOM: Final = 64_000_000  # [bytes] that wait at most while it is out of reach
@@ -338,6 +338,7 @@ class Recording:
         try:
             self._commit(patience)
         except sqlite3.Error as error:
+            self._tried = time.monotonic()
             self._lose(error)
         finally:
             self._writing_it.release()
@@ -370,11 +371,12 @@ class Recording:
 
     def _tend(self) -> None:
         """Commit what waits, or try to reach the recording again; in the thread of its own."""
-        if self.trouble:
-            if not self.reachable and time.monotonic() > self._tried + AGAIN:
-                self._reach()
-        elif any(self._waiting.values()) and self._writing_it.acquire(blocking=False):
-            self._commit_or_lose(BRIEFLY)  # else it is being written
+        waits = any(self._waiting.values()) and not self.trouble
+        if waits and self._writing_it.acquire(blocking=False):  # else it is being written
+            self._commit_or_lose(BRIEFLY)
+        # the disk may have kept this thread so long that the caller gave the recording up
+        if self.trouble and not self.reachable and time.monotonic() > self._tried + AGAIN:
+            self._reach()
 
     def _reach(self) -> None:
         """Try to write again; after a gap only whether it could be."""
@@ -419,7 +421,6 @@ class Recording:
         if self.trouble:
             return
         self._held = 0
-        self._tried = time.monotonic()
         self.absences += 1
         self.trouble = (
             f"{self._name}: {error}; all up to tick {self._kept} of branch {self.branch} is kept"

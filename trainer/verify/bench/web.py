@@ -6,7 +6,6 @@ the second a real Chromium opens the helm's page, gives orders over its line and
 
 import contextlib
 import re
-import shutil
 import signal
 import tempfile
 import threading
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from trainer import __version__
+from trainer.analysis.report.html import find_browser
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
@@ -57,7 +57,6 @@ class Effort:
         return cls(5, 60, 100, 2000) if seconds >= SHORT else cls(2, 20, 50, 1000)
 
 
-BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome")
 SERVED: Final = re.compile(r"pages at (http://\S+)/")
 FIRST_PICTURE: Final = """() => new Promise((done) => {
   const look = () => {
@@ -143,7 +142,7 @@ class Web:
 
 def time_pages(file: VesselFile, seconds: float) -> Web:
     """Return the figures of sessions of ``seconds`` [s] each; NoBrowserError, ConfigError."""
-    browser = find_browser()
+    browser = able_browser()
     with tempfile.TemporaryDirectory(prefix="trainer-") as name:
         folder = Path(name)
         with sailing(file, folder, "alone") as session:
@@ -157,12 +156,12 @@ def time_pages(file: VesselFile, seconds: float) -> Web:
         return Web(looking, alone, ticks_of(session, STATIONS))
 
 
-def find_browser() -> str:
-    """Return the path of Chromium; NoBrowserError naming what is missing."""
+def able_browser() -> str:
+    """Return a Chromium, Chrome or Edge to be led; NoBrowserError naming what is missing."""
     for library in ("playwright", "websockets", "uvicorn", "starlette", "segno"):
         if find_spec(library) is None:
             raise NoBrowserError(advise_install(library, "trainer bench --web"))
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    found = find_browser()
     if found is None:
         raise NoBrowserError("trainer bench --web needs Chromium: install the package chromium")
     return found
