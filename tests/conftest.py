@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import hypothesis
 import pytest
 from helpers.installation import install
 from helpers.pages import HEADLESS
@@ -20,6 +21,9 @@ from trainer.config.vessel import load_vessel
 
 WAITING = ("web", "session", "console")  # folders of tests that mostly wait, for ticks and pages
 pytest_plugins = ["helpers.browser", "helpers.crewed"]
+# One commit, one verdict: the same examples each time, however slow the machine.
+hypothesis.settings.register_profile("steady", deadline=None, derandomize=True)
+hypothesis.settings.load_profile("steady")
 # What is tested is what is installed, in all that the tests start as well: not what lies beside.
 os.environ["PYTHONSAFEPATH"] = "1"
 # pytest-xdist's workers ignore Ctrl-C, and so would all that they start.

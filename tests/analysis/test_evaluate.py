@@ -83,7 +83,7 @@ def states(draw: st.DrawFn) -> dict[str, float]:
 
 @pytest.mark.parametrize("rates", ["exact", "lagged"])
 @given(state=states())
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_compact_is_full_where_the_dropped_coefficients_are_zero(
     rates: str, state: dict[str, float]
 ) -> None:
@@ -98,7 +98,7 @@ def test_compact_is_full_where_the_dropped_coefficients_are_zero(
 
 @pytest.mark.parametrize("rates", ["exact", "lagged"])
 @given(state=states())
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_longitudinal_is_full_for_motion_in_the_vertical_plane(
     rates: str, state: dict[str, float]
 ) -> None:
@@ -209,13 +209,13 @@ def answer_or_refusal(text: str) -> str:
 
 
 @given(text=st.text() | st.from_regex(r'\{"[a-z_]{1,9}": [-0-9.eE]{1,8}\}'))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_any_text_is_refused_by_line_or_blank(text: str) -> None:
     assert answer_or_refusal(text).startswith("line 1: ") is bool(text.strip())
 
 
 @given(size=st.floats(0, 1e300), key=st.sampled_from([key for key in KNOWN if key not in ANGLES]))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_no_size_of_number_gives_a_nan(size: float, key: str) -> None:
     answer = answer_or_refusal(line(**{key: size}))
 

@@ -161,7 +161,7 @@ def normal_force_and_moment(
 coefficient = st.floats(-0.05, 0.05).filter(lambda x: abs(x) > 1e-4)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(
     st.fixed_dictionaries(
         dict.fromkeys(("Z_waw", "M_waw", "Z_ww", "M_aw", "Z_w", "M_w", "M_ds"), coefficient)

@@ -733,7 +733,7 @@ def test_odd_text_is_refused_in_readable_lines(text: str) -> None:
         assert len(line) < 250
 
 
-@settings(deadline=None, max_examples=100)
+@settings(max_examples=100)
 @given(st.text(alphabet="[]{}=.,'\"#\n\\ abX_1e+-", max_size=60), st.integers(0, len(SMALL)))
 def test_a_file_with_noise_in_it_loads_or_is_refused(noise: str, at: int) -> None:
     problems: list[str] = []

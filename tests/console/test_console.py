@@ -525,6 +525,7 @@ def test_no_remark_can_wipe_the_time_line_or_look_like_the_session(remark: str) 
 def test_a_remark_of_one_s_own_does_not_wipe_the_time_line_either() -> None:
     talk = tape()
     model = sight_of(talk)
+    model.hear()
     model.marks.append(Kept(20.0, "M", "before"))
     talk.facts["mark back from 60 s to 0 s"] = [("mark", "back from 60 s to 0 s")]
     model.order("mark back from 60 s to 0 s")
@@ -582,6 +583,48 @@ def test_before_the_session_is_there_nothing_is_said_of_the_boat_and_at_once_the
             assert "making ready" not in shown(app)
 
     run_aside(run())
+
+
+def test_what_is_ordered_before_the_session_is_there_is_sent_to_it() -> None:
+    talk = tape()
+    held, talk.items, talk.connected = talk.items, [], False
+    app = Console(sight_of(talk, "instructor"))
+
+    async def run() -> None:
+        async with app.run_test(size=(80, 24)) as pilot:
+            await pilot.press(*typed("depth 70"), "enter")
+            await seen(pilot, app, "depth 70: as soon as the boat is there")
+            assert talk.orders == []
+            talk.items, talk.connected = held, True
+            await seen(pilot, app, "depth 70: done")
+            await pilot.press(*typed("course 45"), "enter")
+            await seen(pilot, app, "course 45: done")
+
+    run_aside(run())
+    assert talk.orders == ["depth 70", "course 45"]
+
+
+class Impatient(Console):
+    """A console at which keys are hit before its line is there, one of them Enter as it was."""
+
+    CSS_PATH = str(STYLE)
+
+    async def on_mount(self) -> None:
+        for name in (*typed("depth 70"), "ctrl+j", *typed("course 45"), "enter"):
+            character = " " if name == "space" else name if len(name) == 1 else None
+            await self.on_event(Key(name, character))
+
+
+def test_keys_before_the_instructor_s_line_is_there_are_typed_into_it() -> None:
+    talk = tape()
+    app = Impatient(sight_of(talk, "instructor"))
+
+    async def run() -> None:
+        async with app.run_test(size=(80, 24)) as pilot:
+            await seen(pilot, app, "course 45: done")
+
+    run_aside(run())
+    assert talk.orders == ["depth 70", "course 45"]
 
 
 def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:

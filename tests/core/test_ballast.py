@@ -190,7 +190,7 @@ STEPS = st.fixed_dictionaries(
 )
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(st.lists(STEPS, min_size=1, max_size=12))
 def test_water_and_air_are_conserved_and_kept_within_their_tanks(
     bb2: Boat, steps: list[dict[str, Any]]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numba import njit
 
@@ -46,7 +46,6 @@ def test_threefry_gives_the_known_answers_of_random123(
     assert threefry(*key, *counter) == answer
 
 
-@settings(deadline=None)  # the first call compiles
 @given(st.integers(0, 2**53), st.integers(0, 2**31), st.integers(-(2**31), 2**31))
 def test_every_number_is_finite_and_uniform_ones_lie_inside_0_and_1(
     seed: int, stream: int, tick: int

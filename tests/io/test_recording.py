@@ -276,7 +276,7 @@ def take(step: tuple[object, ...], model: Model, recording: Recording) -> None:
             assert recording.fork(moment, "backtrack") == len(model.tracks)
 
 
-@settings(deadline=None, max_examples=100)
+@settings(max_examples=100)
 @given(st.lists(STEPS, max_size=40))
 def test_every_branch_has_the_past_that_led_to_it(steps: list[tuple[object, ...]]) -> None:
     model = Model()

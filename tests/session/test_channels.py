@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 from helpers.places import ROOT
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.boat import casualties
@@ -168,7 +168,6 @@ def places(boat: Boat, name: str) -> range:
     return range(PLACES[name], PLACES[name] + boat.records.state[name].size)
 
 
-@settings(deadline=None)
 @given(st.floats(-50.0, 50.0), st.floats(-3.0, 3.0), st.floats(-4.0, 4.0), st.floats(-1e3, 1e3))
 def test_two_states_with_the_same_readings_give_a_station_the_same_lines(
     bb2: Boat, deeper: float, round_: float, faster: float, elsewhere: float

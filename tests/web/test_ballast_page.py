@@ -193,10 +193,11 @@ def test_amounts_to_move_add_up_and_count_down(
     pump = page.locator("[data-pump=auxiliary]")
     pump.get_by_role("radio", name="5").click()
     expect(pump.locator(".high")).to_contain_text("5 t")
-    pump.locator(".high").click()
-    pump.locator(".high").click()
-    expect(pump.locator(".left")).to_have_text("Flood: 10.0 t to go")
     before = float(read(instructor, "tanks.auxiliary"))
+    pump.locator(".high").click()
+    pump.locator(".high").click()
+    expect(pump.locator(".left")).to_have_text("Flood: 10.0 t to go")  # the page's word is ahead
+    await_truth(instructor, "tanks.moving_auxiliary", "10.0")
     step(instructor, 40)
     moved = float(read(instructor, "tanks.auxiliary")) - before
     assert 0.1 < moved < 9.5

@@ -157,6 +157,7 @@ class Console(App[str], inherit_bindings=False):
         self._seen: tuple[object, ...] = ()
         self._rung = model.bells
         self._silent = self._mounted = False
+        self._early: list[events.Key] = []  # typed before there is a line to type them into
         self._ended, self._released = model.endings, model.releases
         self._foot = footer(model.role)
 
@@ -181,19 +182,21 @@ class Console(App[str], inherit_bindings=False):
         yield Entry(self._names, self._quick(), PROMPTS.get(self.model.role, PROMPT))
         yield Pane(partial(foot, self._foot), "foot", click=self._press)
 
-    def on_mount(self) -> None:
-        """Begin to look; end in good order when asked to from outside."""
+    async def on_mount(self) -> None:
+        """Begin to look; take what has been typed ahead on the instructor's line."""
         self.model.hear()  # what has come by now is in the first drawing
         self._mounted = True
         self._expecting = self.set_interval(SOON, self._expect)
         self.set_interval(1.0 / RATE, self._look)
-        if self.model.instructs:
-            self.query_one(Entry).focus()
-        else:
-            self.set_focus(None)
+        self.set_focus(self.query_one(Entry) if self.model.instructs else None)
+        for event in self._early:
+            await super().on_event(event)
 
     async def on_event(self, event: events.Event) -> None:
         """Take a control's key at once: what follows a colon is typed, however fast it comes."""
+        if isinstance(event, events.Key) and not self._mounted and self.model.instructs:
+            self._early.append(event)
+            return
         if isinstance(event, events.Key) and not event.is_forwarded and self._at_controls:
             key = self._keys.get(event.key)
             if key is not None:
@@ -204,7 +207,7 @@ class Console(App[str], inherit_bindings=False):
     def on_key(self, event: events.Key) -> None:
         """Do what a key does, unless a dialog or a half-typed order takes it.
 
-        An instructor's line is always open: before it is, what was typed ahead is not obeyed.
+        An instructor's line is always open.
         """
         if len(self.screen_stack) > 1:
             return
@@ -222,8 +225,6 @@ class Console(App[str], inherit_bindings=False):
     def on_input_submitted(self, message: Input.Submitted) -> None:
         """Send what has been typed."""
         words = message.value.strip() or self._repeat()
-        entry = self.query_one(Entry)
-        entry.keep(message.value.strip())
         if not self.model.instructs:
             self.set_focus(None)
         if words in ("detach", "bye"):

@@ -89,6 +89,7 @@ def hint(text: str, known: Mapping[str, Sequence[str]]) -> str:
 
 
 Known = Mapping[str, Sequence[str]]
+NEW_LINE: Final = "ctrl+j"  # Enter, typed before the terminal was the console's
 TYPING: Final = "type an order, then Enter; Esc goes back to the controls"
 
 
@@ -140,18 +141,25 @@ class Entry(Input):
         """Say again what keys do."""
         self.placeholder = self._prompt
 
-    def keep(self, words: str) -> None:
-        """Keep a line for those that want it again, and clear it."""
+    async def action_submit(self) -> None:
+        """Give the line to the console, keep it for those that want it again, and clear it.
+
+        What is typed next, however fast, is the next line's.
+        """
+        words = self.value.strip()
+        await super().action_submit()
         if words and self._history[-1:] != [words]:
             self._history.append(words)
         self._place = len(self._history)
         self.value = ""
 
-    def on_key(self, event: events.Key) -> None:
+    async def on_key(self, event: events.Key) -> None:
         """Complete, look back, clear; leave the quick keys to the console."""
         if not self.value and event.key in self._quick:
             event.prevent_default()
             return
+        if event.key == NEW_LINE:
+            await self.action_submit()
         if event.key in ("tab", "up", "down", "escape"):
             if event.key == "escape" and not self.value:
                 return

@@ -124,6 +124,7 @@ class SessionModel:
         self._caught_up = False  # with what was shown before the line was there
         self._greeted = 0  # lines of the briefing that came before the line was lost last
         self._over_at = 0.0  # [s] when the exercise was over
+        self._early: list[str] = []  # orders that wait for the first line
         self._own = 0  # orders to the crew that were given here and have not been told yet
         self._snapshots: list[Kept] = []  # told so far, of an answer that is to come
         self._casualties: list[Broken] = []
@@ -170,8 +171,15 @@ class SessionModel:
             return None
 
     def order(self, words: str) -> bool:
-        """Send an order and show it. Return whether there was a line to send it on."""
-        return self._send(words, quiet=False)
+        """Send an order and show it. Return whether there was a line to send it on.
+
+        While the session is being made ready for the first time the order waits for it.
+        """
+        if self.greeted or self.trouble or self.barred:
+            return self._send(words, quiet=False)
+        self._early.append(words)
+        self.journal.add(None, "station", f"{words}: as soon as the boat is there")
+        return False
 
     def ask(self, words: str) -> bool:
         """Send an order of the screen's own, which is not shown."""
@@ -214,6 +222,9 @@ class SessionModel:
         self._caught_up = False
         for words in WIDELY_KNOWN if self.instructs else ():
             self.ask(words)
+        early, self._early = self._early, []
+        for words in early:
+            self.order(words)
 
     def _lose(self, why: str) -> None:
         was, self.joined = self.joined, False

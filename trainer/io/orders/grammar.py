@@ -320,7 +320,10 @@ def refuse_doubt(tokens: list[str], alive: list[Reading]) -> None:
 
 
 def nearest_word(token: str, known: Iterable[str]) -> str:
-    """Return the word that was mistyped, "" if none is near: few mistype how a word begins."""
+    """Return the known word that was mistyped, "" if none is near.
+
+    Few mistype how a word begins: another beginning asks for more that is the same.
+    """
     whole = difflib.get_close_matches(token, sorted(known), n=1, cutoff=0.8)
     begun = [word for word in sorted(known) if word[0] == token[0]]
     near = whole or difflib.get_close_matches(token, begun, n=1, cutoff=0.65)
