@@ -335,8 +335,21 @@ def test_nothing_to_identify_is_a_usage_error(tmp_path: Path) -> None:
     result = CliRunner().invoke(identify, [])
     assert result.exit_code == 2
     (tmp_path / "x.csv").write_text("t,delta_r,psi,r,v,u\n0,0,0,0,0,1\n1,0.1,0,0,0,1\n")
-    with pytest.raises(ConfigError, match="say --model"):
+    with pytest.raises(ConfigError, match=r"^x.csv: lacks \[model\]: say --model"):
         run(identify, tmp_path / "x.csv")
+
+
+def test_a_record_that_is_not_there_or_has_other_columns_is_named_with_the_next_step(
+    tmp_path: Path,
+) -> None:
+    with pytest.raises(ConfigError, match=r"y.csv: there is no such file$"):
+        run(identify, tmp_path / "y.csv", "--model", "1")
+    path = tmp_path / "y.csv"
+    path.write_text("t,rudder,heading\n0,0,0\n1,1,0\n2,1,0\n")
+    with pytest.raises(ConfigError) as raised:
+        run(identify, path, "--model", "1")
+    assert 'no column "psi" for heading' in str(raised.value)
+    assert f"trainer identify new {path} -o study.toml" in raised.value.problems[-1]
 
 
 def test_orders_of_armax_are_tried_and_told(tmp_path: Path) -> None:

@@ -17,8 +17,12 @@ USUAL: Final = ("sway", "yaw_rate", "heading")
 
 
 def study_of(file: Path, options: dict[str, Any]) -> Study:
-    """Return the study of a file, changed as the options say."""
-    return as_asked(load_study(file) if file.suffix == ".toml" else plain_study(file), options)
+    """Return the study of a file, changed as the options say; ConfigError, also without a file."""
+    if file.suffix == ".toml":
+        return as_asked(load_study(file), options)
+    if not file.exists():
+        raise ConfigError(f"{file}: there is no such file")
+    return as_asked(plain_study(file), options)
 
 
 def as_asked(study: Study, options: dict[str, Any]) -> Study:

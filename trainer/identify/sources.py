@@ -88,6 +88,10 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
     return record
 
 
+class NoColumnError(ConfigError):
+    """A file has not the columns that are to be read."""
+
+
 Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
 
 
@@ -100,7 +104,7 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
         with collecting(problems):
             table.place(column.name, channel)
     if problems:
-        raise ConfigError(*problems)
+        raise NoColumnError(*problems)
     told, other = list(table.told), list[str]()
     taken = {channel: _take(table, channel, one, other) for channel, one in columns.items()}
     if "t" in columns:

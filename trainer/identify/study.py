@@ -15,6 +15,7 @@ from trainer.identify.own_systems import System
 from trainer.identify.sources import (
     USUAL,
     Column,
+    NoColumnError,
     Sensors,
     factor,
     load_record,
@@ -88,7 +89,7 @@ def plain_study(data: Path) -> Study:
     """
     heading = Heading(schema="identify/1", name=data.stem, data=data.name)
     return Study(
-        path=data.parent / "study.toml",
+        path=data,
         heading=heading,
         columns=own_columns(),
         ship=None,
@@ -248,7 +249,7 @@ def observe(study: Study, loaded: Record | None = None) -> Observed:
     The record is ``loaded``, or that of the study's file. ConfigError with what forbids its use.
     """
     heading = study.heading
-    record = loaded or load_record(study.data, study.columns)
+    record = loaded or _load(study)
     if "t" not in study.columns:
         record = replace(record, t=record.t * (heading.interval_s or 1.0))
     if heading.positive_rudder == "starboard" and record.rudder is not None:
@@ -267,6 +268,17 @@ def observe(study: Study, loaded: Record | None = None) -> Observed:
         np.inf if heading.to_s is None else heading.to_s,
     )
     return Observed(record, tuple(findings))
+
+
+def _load(study: Study) -> Record:
+    """Return the record of a study's file; ConfigError, of a plain one saying what to type."""
+    try:
+        return load_record(study.data, study.columns)
+    except NoColumnError as error:
+        if study.path != study.data:
+            raise
+        advice = f"trainer identify new {study.data} -o study.toml writes a study of its columns"
+        raise ConfigError(*error.problems, advice) from None
 
 
 def studies_of(study: Study) -> tuple[Study, ...]:
