@@ -760,7 +760,7 @@ class Harbour:
     def close(self) -> None:
         self._listener.shutdown(socket.SHUT_RDWR)
         self._listener.close()
-        self._thread.join(5.0)
+        self._thread.join(60.0)
 
 
 @pytest.fixture
@@ -782,9 +782,9 @@ def test_a_broken_line_is_dialled_again_and_says_its_role_and_wishes_again(
 
     client = Client(lambda: str(path), "helm WORD", wanted)
     client.start()
-    assert session.attended.acquire(timeout=10.0)
+    assert session.attended.acquire(timeout=60.0)
     session.hang_up()
-    assert session.attended.acquire(timeout=10.0)
+    assert session.attended.acquire(timeout=60.0)
     client.close(5.0)
 
     assert [type(item) for item in client.take()] == [Joined, Lost, Joined]

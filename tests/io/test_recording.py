@@ -155,7 +155,7 @@ def test_what_waits_is_written_before_long_though_nothing_follows(path: Path) ->
         recording.state(1, state_of(1))
         recording.timing(1, 300, 80_000)
         recording.event(1, "time", "", "frozen")
-        assert within(10.0, lambda: reader.latest().tick == 1)  # a second is promised
+        assert within(60.0, lambda: reader.latest().tick == 1)  # a second is promised
         assert [found for found, _, _ in reader.ledger(1)] == [1]
         assert [each.text for each in reader.events()] == ["frozen"]
 
@@ -595,7 +595,7 @@ def test_a_writer_far_ahead_waits_for_what_is_being_brought_home(
         for tick in range(1, 200):
             recording.state(tick, state_of(tick))
         recording.flush()
-        assert Bringing.slow_begun.wait(20.0)
+        assert Bringing.slow_begun.wait(60.0)
         for tick in range(200, 3_000):
             recording.state(tick, state_of(tick))
         recording.flush()
@@ -745,7 +745,7 @@ def test_a_full_disk_is_told_and_all_is_there_once_there_is_room_again(path: Pat
             told = rf"{re.escape(str(path))}: .+; all up to tick \d+ of branch 1 is kept"
             assert re.fullmatch(told, recording.trouble)
             assert recording.moment(1, 400) is None
-        assert within(10.0, lambda: not recording.trouble)
+        assert within(60.0, lambda: not recording.trouble)
         fly(recording, 401, 410)
         assert (recording.missing, recording.absences) == ("", 1)
     check_whole(path, 410)
@@ -778,7 +778,7 @@ def test_another_program_s_lock_holds_nobody_up_and_loses_nothing(path: Path) ->
             assert time.monotonic() - began < 10 * recording_module.BRIEFLY
             assert "locked" in recording.trouble
             other.execute("COMMIT")
-        assert within(10.0, lambda: not recording.trouble)
+        assert within(60.0, lambda: not recording.trouble)
         assert recording.missing == ""
         assert [each.text for each in recording.events()] == ["here"]
     check_whole(path, 100)
@@ -797,7 +797,7 @@ def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
             assert recording.fork(Moment(1, 20, state_of(20), 4, 0), "backtrack") == 2
             fly(recording, 21, 40)
             other.execute("COMMIT")
-        assert within(10.0, lambda: recording.reachable)
+        assert within(60.0, lambda: recording.reachable)
         recording.go_on(Moment(2, 40, state_of(40), 16, 0))
         assert recording.trouble == ""
         recording.state(41, state_of(41))

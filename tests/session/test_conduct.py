@@ -227,7 +227,7 @@ def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(
 ) -> None:
     ship = crewed(seconds=5.0)
     ship.fly(20)
-    assert ship.judged.wait(10.0)
+    assert ship.judged.wait(60.0)
     ship.session.control.ended = False
     ship.instructor.typed = ["again"]
     for station in ship.session.event_log.stations:

@@ -23,7 +23,7 @@ from trainer.io.recording.recording import Journalled, Recording
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="kills and forks of POSIX")
 
-PATIENCE = 20.0  # [s]
+PATIENCE = 60.0  # [s]
 SECONDS = 1800  # [s] of the exercise
 MAX = ("--headless", "--speed", "max")
 

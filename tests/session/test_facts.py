@@ -19,7 +19,7 @@ from trainer.console.model import SessionModel
 from trainer.io.orders import sentences
 
 TRAINER = [sys.executable, "-m", "trainer"]
-PATIENCE = 20.0  # [s]
+PATIENCE = 60.0  # [s]
 OTHER = "in other words"
 
 

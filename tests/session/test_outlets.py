@@ -202,9 +202,9 @@ def stream(tmp_path_factory: pytest.TempPathFactory) -> Stream:
         )
         assert done.returncode == 0, done.stderr
         end.sendto(b"", end.getsockname())  # an empty datagram, after all others, ends the reading
-        drains["udp"].join(5.0)
+        drains["udp"].join(60.0)
     os.close(far)
-    drains["pty"].join(5.0)
+    drains["pty"].join(60.0)
     for descriptor in (near, deaf, deaf_far):
         os.close(descriptor)
     with (folder / "out.csv").open(encoding="ascii") as file:
@@ -483,7 +483,7 @@ def test_signal_k_takes_every_sentence(kept: Kept, tmp_path: Path) -> None:
 
 
 def dialled(port: int) -> socket.socket:
-    return socket.create_connection(("127.0.0.1", port), timeout=10.0)
+    return socket.create_connection(("127.0.0.1", port), timeout=60.0)
 
 
 def port_of(err: str) -> int:
@@ -569,7 +569,7 @@ def test_a_panel_on_a_serial_line_steers_and_hears_and_is_not_missed_when_unplug
 
 def test_a_hung_line_never_holds_up_who_offers_a_tick_and_loses_what_is_too_much() -> None:
     boat, let_go = under_way(), threading.Event()
-    outbox = Outbox(lambda _data: let_go.wait(30.0), capacity=4)
+    outbox = Outbox(lambda _data: let_go.wait(60.0), capacity=4)
     promptly = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)), iter(range(1000)).__next__)
 
     class Twice:
@@ -603,7 +603,7 @@ def test_beyond_this_machine_sentences_are_sent_and_none_orders(
 def test_udp_sends_a_sentence_in_each_datagram(on_deck: Callable[..., Deck]) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
         end.bind(("127.0.0.1", 0))
-        end.settimeout(10.0)
+        end.settimeout(60.0)
         deck = on_deck(options(f"udp://127.0.0.1:{end.getsockname()[1]}", nmea_sentences="HDT,ROT"))
         deck.tick()
         assert [end.recv(2048)[:6] for _ in range(2)] == [b"$INHDT", b"$INROT"]

@@ -28,7 +28,7 @@ from trainer.session.stations.view import Pace, StateReader
 from trainer.session.time.ledger import Ledger
 
 VESSELS = ("bb2", "remus100", "sdv-mk9")
-PATIENCE = 20.0  # [s] for another thread
+PATIENCE = 60.0  # [s] for another thread
 RUNNING, HURRIED = Pace(speed=1.0), Pace(speed=math.inf)
 
 Make = Callable[..., Boat]

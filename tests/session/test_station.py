@@ -607,7 +607,7 @@ def tend(hub: Server, wake: threading.Event, boat: Boat, program: threading.Thre
     obeyed: list[Order] = []
     stations: list[Station] = []
     while not obeyed:
-        assert wake.wait(10.0)
+        assert wake.wait(60.0)
         wake.clear()
         stations += [Station(line, Access(), sending, print) for line in hub.newcomers()]
         for asked in [asked for station in stations for asked in station.take(MANY)]:
@@ -616,7 +616,7 @@ def tend(hub: Server, wake: threading.Event, boat: Boat, program: threading.Thre
     for station in stations:
         station.close(1.0)
     hub.close(1.0)
-    program.join(10.0)
+    program.join(60.0)
     assert not program.is_alive()
     return obeyed
 

@@ -406,7 +406,7 @@ def test_a_page_of_another_version_is_told_so(shared: Served, look: Look) -> Non
 
 def test_a_page_that_vanishes_is_noticed_by_ping_and_one_that_idles_stays() -> None:
     with (
-        pages(ws_ping_interval=0.1, ws_ping_timeout=0.3) as stub,
+        pages(ws_ping_interval=0.1, ws_ping_timeout=2.0) as stub,
         dialled(stub.port) as idle,
         socket.socket() as asleep,
     ):

@@ -170,16 +170,13 @@ class SessionModel:
         except (KeyError, ValueError):
             return None
 
-    def order(self, words: str) -> bool:
-        """Send an order and show it. Return whether there was a line to send it on.
-
-        While the session is being made ready for the first time the order waits for it.
-        """
+    def order(self, words: str) -> None:
+        """Send an order and show it. Before there was ever a line it waits for one."""
         if self.greeted or self.trouble or self.barred:
-            return self._send(words, quiet=False)
-        self._early.append(words)
-        self.journal.add(None, "station", f"{words}: as soon as the boat is there")
-        return False
+            self._send(words, quiet=False)
+        else:
+            self._early.append(words)
+            self.journal.add(None, "station", f"{words}: as soon as the boat is there")
 
     def ask(self, words: str) -> bool:
         """Send an order of the screen's own, which is not shown."""
@@ -222,9 +219,8 @@ class SessionModel:
         self._caught_up = False
         for words in WIDELY_KNOWN if self.instructs else ():
             self.ask(words)
-        early, self._early = self._early, []
-        for words in early:
-            self.order(words)
+        while self._early:
+            self.order(self._early.pop(0))
 
     def _lose(self, why: str) -> None:
         was, self.joined = self.joined, False

@@ -17,7 +17,7 @@ USUAL: Final = ("sway", "yaw_rate", "heading")
 
 
 def study_of(file: Path, options: dict[str, Any]) -> Study:
-    """Return the study of a file, changed as the options say; ConfigError, also without a file."""
+    """Return the study of a file, changed as the options say; ConfigError."""
     if file.suffix == ".toml":
         return as_asked(load_study(file), options)
     if not file.exists():
