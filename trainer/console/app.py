@@ -13,7 +13,6 @@ from textual.binding import BindingType
 from textual.containers import Horizontal, Vertical
 from textual.css.query import NoMatches
 from textual.screen import Screen
-from textual.widgets import Input
 
 from trainer.console.crew import CrewOrder
 from trainer.console.dialogs import (
@@ -179,7 +178,8 @@ class Console(App[str], inherit_bindings=False):
             if self._post.aside:
                 yield Vertical(*map(self._pane, self._post.aside), id="aside")
         yield Pane(self._line, "line", moving=True, click=self._travel)
-        yield Entry(self._names, self._quick(), PROMPTS.get(self.model.role, PROMPT))
+        prompt = PROMPTS.get(self.model.role, PROMPT)
+        yield Entry(self._names, self._quick(), prompt, self._submit)
         yield Pane(partial(foot, self._foot), "foot", click=self._press)
 
     async def on_mount(self) -> None:
@@ -222,9 +222,9 @@ class Console(App[str], inherit_bindings=False):
             event.prevent_default()
             self.act(key.act)
 
-    def on_input_submitted(self, message: Input.Submitted) -> None:
+    def _submit(self, typed: str) -> None:
         """Send what has been typed."""
-        words = message.value.strip() or self._repeat()
+        words = typed or self._repeat()
         if not self.model.instructs:
             self.set_focus(None)
         if words in ("detach", "bye"):

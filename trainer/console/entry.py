@@ -1,6 +1,6 @@
 """The line at the bottom where orders are typed: completion, names and history."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import ClassVar, Final, NamedTuple
 
 from textual import events
@@ -112,7 +112,9 @@ class Entry(Input):
 
     BINDINGS: ClassVar[list[BindingType]] = []
 
-    def __init__(self, known: Known, quick: frozenset[str], prompt: str) -> None:
+    def __init__(
+        self, known: Known, quick: frozenset[str], prompt: str, send: Callable[[str], None]
+    ) -> None:
         super().__init__(
             placeholder=prompt,
             suggester=Ghost(known),
@@ -124,6 +126,7 @@ class Entry(Input):
         self._known = known
         self._quick = quick
         self._prompt = prompt
+        self._send = send
         self._history: list[str] = []
         self._place = 0
 
@@ -142,16 +145,13 @@ class Entry(Input):
         self.placeholder = self._prompt
 
     async def action_submit(self) -> None:
-        """Give the line to the console, keep it for those that want it again, and clear it.
-
-        What is typed next, however fast, is the next line's.
-        """
+        """Send the line before any key that follows, and keep it for those that want it again."""
         words = self.value.strip()
-        await super().action_submit()
         if words and self._history[-1:] != [words]:
             self._history.append(words)
         self._place = len(self._history)
         self.value = ""
+        self._send(words)
 
     async def on_key(self, event: events.Key) -> None:
         """Complete, look back, clear; leave the quick keys to the console."""
