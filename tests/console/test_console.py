@@ -610,7 +610,7 @@ class Impatient(Console):
     CSS_PATH = str(STYLE)
 
     async def on_mount(self) -> None:
-        for name in (*typed("depth 70"), "ctrl+j", *typed("course 45"), "enter", "f3"):
+        for name in (*typed("depth 70"), "ctrl+j", *typed("course 45"), "enter", *typed("aye")):
             character = " " if name == "space" else name if len(name) == 1 else None
             await self.on_event(Key(name, character))
 
@@ -621,10 +621,12 @@ def test_keys_before_the_instructor_s_line_is_there_are_typed_into_it() -> None:
 
     async def run() -> None:
         async with app.run_test(size=(80, 24)) as pilot:
+            await seen(pilot, app, "course 45: done")
+            await pilot.press("enter", "f3")
             await seen(pilot, app, "step: done")
 
     run_aside(run())
-    assert talk.orders == ["depth 70", "course 45", "step"]
+    assert talk.orders == ["depth 70", "course 45", "aye", "step"]
 
 
 def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:

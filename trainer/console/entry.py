@@ -89,7 +89,7 @@ def hint(text: str, known: Mapping[str, Sequence[str]]) -> str:
 
 
 Known = Mapping[str, Sequence[str]]
-NEW_LINE: Final = "ctrl+j"  # Enter, typed before the terminal was the console's
+ENTER: Final = ("enter", "ctrl+j")  # the second: typed before the terminal was the console's
 TYPING: Final = "type an order, then Enter; Esc goes back to the controls"
 
 
@@ -144,7 +144,7 @@ class Entry(Input):
         """Say again what keys do."""
         self.placeholder = self._prompt
 
-    async def action_submit(self) -> None:
+    def _submit(self) -> None:
         """Send the line before any key that follows, and keep it for those that want it again."""
         words = self.value.strip()
         if words and self._history[-1:] != [words]:
@@ -153,13 +153,15 @@ class Entry(Input):
         self.value = ""
         self._send(words)
 
-    async def on_key(self, event: events.Key) -> None:
+    def on_key(self, event: events.Key) -> None:
         """Complete, look back, clear; leave the quick keys to the console."""
         if not self.value and event.key in self._quick:
             event.prevent_default()
             return
-        if event.key == NEW_LINE:
-            await self.action_submit()
+        if event.key in ENTER:  # now, and not when it has come to the console as a key
+            event.prevent_default()
+            event.stop()
+            self._submit()
         if event.key in ("tab", "up", "down", "escape"):
             if event.key == "escape" and not self.value:
                 return
