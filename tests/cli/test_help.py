@@ -92,7 +92,13 @@ FIRST = {  # what is typed before
     ),
     "trainer fit": ("trainer manoeuvre impulse bb2 --csv impulse.csv",),
     "trainer sweep": (f"cp {ROOT}/configs/studies/turn-uncertainty.toml study.toml",),
-    "trainer identify": TRIAL,
+    "trainer prbs": ("cp known.toml ship.toml",),
+    "trainer identify": (
+        *TRIAL,
+        "cp hull.toml ship.toml",
+        "trainer manoeuvre zigzag-20 known.toml --duration 800 --csv zz20.csv",
+        "trainer manoeuvre zigzag-10 known.toml --duration 800 --side port --csv zz10.csv",
+    ),
     "trainer identify new": (
         "rm -rf lesson trial.toml study.toml",
         "trainer identify --example lesson",
@@ -247,6 +253,10 @@ def typist(tmp_path: Path) -> Iterator[Typist]:
         shutil.copy(ROOT / "configs/vessels/bb2.toml", tmp_path / name)
     (tmp_path / "ship.toml").write_text(SHIP)
     (tmp_path / "study.toml").write_text(STUDY)
+    page = (ROOT / "docs/nonlinear-ships.md").read_text(encoding="utf-8")
+    hull, known, *_ = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    (tmp_path / "hull.toml").write_text(hull, encoding="utf-8")
+    (tmp_path / "known.toml").write_text(known, encoding="utf-8")
     for name in (KEPT, "drills"):
         (tmp_path / name).mkdir(parents=True)
     write_run(tmp_path)
