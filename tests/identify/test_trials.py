@@ -305,6 +305,11 @@ def test_a_boat_takes_one_speed(words: tuple[str, ...]) -> None:
     assert "no book is asked" in asked("bb2", "--prior-strength", "1").output
 
 
+def test_what_is_no_boat_is_told_before_its_speeds() -> None:
+    answer = asked("nix.toml", "--speed", "9", "--speed", "5")
+    assert "nix.toml: there is no such file" in str(answer.exception)
+
+
 def test_a_ship_without_a_fit_cannot_be_tried(known: ShipFile) -> None:
     with pytest.raises(ConfigError, match=r"known.toml: lacks \[result\]"):
         design(replace(known, result=None), OPTIONS)

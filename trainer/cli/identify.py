@@ -162,10 +162,11 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     if ships.is_ship(vessel):
         ships.design_trials(ships.path_of(vessel), {**options, "write": write})
         return
+    file = load_vessel(vessel)  # what is no boat, or is not there, is told first
     options["speed"] = _only_speed(vessel, options.pop("speeds"))
     from trainer.identify.pages import experiment as page  # noqa: PLC0415
 
-    found = page.design(load_vessel(vessel), {**options, "vessel": vessel})
+    found = page.design(file, {**options, "vessel": vessel})
     if write is not None:
         write_text(write, found.exercise)
     show(found.report, page.render, lambda: page.panels(found), options)
