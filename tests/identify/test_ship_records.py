@@ -466,6 +466,10 @@ def test_the_page_leads_from_a_record_to_a_turning_circle(
     assert re.search(r"zz10.csv +held back +\S+ +\S+ +(99|100)\.\d", answers[2].output)
     found = load_ship(Path("found.toml"))
     assert found.coefficients["N_F"] == pytest.approx(1.2, abs=0.1)
+    (begin,) = (one for one in blocks("console") if "identify new" in one)
+    begun = asked(*shlex.split(begin.removeprefix("$ trainer ")))
+    assert begun.exit_code == 0, begun.output
+    assert "length_m = 320 " in Path("mine.toml").read_text(encoding="utf-8")
     sweep = shlex.split(blocks("console")[1].removeprefix("$ trainer "))
     spread = json.loads(asked(*sweep, "--members", "12", "--jobs", "1", "--json").stdout)
     assert spread["troubled"] == 0

@@ -373,26 +373,44 @@ def identify(
 @click.option("-o", "--output", type=TOML, default=None, metavar="FILE", help="[default: beside]")
 @click.option("--length", type=POSITIVE, default=None, help="Of the ship, metres.")
 @click.option("--at", "knots", type=AHEAD, default=None, help="Speed, knots.")
-def new(record: Path, output: Path | None, length: float | None, knots: float | None) -> None:
+@click.option("--ship", type=TOML, default=None, metavar="FILE", help="A ship's file instead.")
+def new(
+    record: Path,
+    output: Path | None,
+    length: float | None,
+    knots: float | None,
+    ship: Path | None,
+) -> None:
     """Write a study of a record with comments, to be corrected; never over another file.
 
-    Columns are told by their names and units, the sign of the rudder by how the ship turns.
+    Columns are told by their names and units, the sign of the rudder by how the ship turns. With
+    --ship it is the file of a ship for the models linear, mavmm, abkowitz and mmg.
 
     \b
     Example:  trainer identify new trial.csv --length 70.2 --at 10
               trainer identify new trial.csv -o study.toml
+              trainer identify new zz20.csv --ship ship.toml
     """
+    from trainer.config.files import as_typed  # noqa: PLC0415
     from trainer.identify.proposal import write_proposal  # noqa: PLC0415
+    from trainer.identify.ships.proposal import fitting, write_ship_file  # noqa: PLC0415
 
-    path = output or record.with_suffix(".toml")
-    found = write_proposal(record, path, length, knots)
+    if ship:
+        if output or knots:
+            raise click.UsageError("--ship takes the place of --output; the record tells the speed")
+        path, found = ship, write_ship_file(record, ship, length)
+        last = f"fill in [dimensions]; fit it by: {fitting(record, ship)}"
+    else:
+        path = output or record.with_suffix(".toml")
+        found = write_proposal(record, path, length, knots)
+        lacking = "" if length else "fill in the length of [ship]; "
+        last = f"{lacking}fit it by: trainer identify {as_typed(path)}"
     columns = ", ".join(f"{key} in {one.name}" for key, one in found.columns.items())
     guessed = "" if "t" in found.columns else " (guessed: there is no column of times)"
     click.echo(f"{path}: {found.rows} rows every {found.interval:.6g} s{guessed}: {columns}")
     for remark in found.remarks:
         click.echo(f"  {remark}")
-    lacking = "" if length else "fill in the length of [ship]; "
-    click.echo(f"{lacking}fit it by: trainer identify {path}")
+    click.echo(last)
 
 
 def _example(files: tuple[Path, ...], folder: str) -> Path:

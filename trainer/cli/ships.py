@@ -71,13 +71,14 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
     from trainer.boat import compilation  # noqa: PLC0415
     from trainer.config.files import path_named  # noqa: PLC0415
     from trainer.identify.ships import page  # noqa: PLC0415
-    from trainer.identify.ships.results import carry_out  # noqa: PLC0415
+    from trainer.identify.ships.results import fit_trials, read_trials  # noqa: PLC0415
     from trainer.identify.ships.ship_file import ship_text  # noqa: PLC0415
 
     if options["ship"] is not None:
         options = {**options, "ship": path_named(options["ship"], "ships")}
+    ship, trials, held = read_trials(files, options)
     with compilation.announced(FITS, tell, "ships", "identify/kernels"):
-        found = carry_out(files, options, show_step)
+        found = fit_trials(ship, trials, held, options, show_step)
     if options["write_ship"]:
         sources = ", ".join(Path(source).name for source in found.report.sources)
         write_text(options["write_ship"], ship_text(found.ship, f"trainer identify, {sources}"))

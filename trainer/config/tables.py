@@ -20,6 +20,7 @@ from trainer.config.files import ConfigError, nearest, quote
 Numbers = NDArray[np.float64]
 EMPTY: Final = ("", "nan", "na", "null", "-")
 SEPARATORS: Final = {"\t": "tabs", ";": '";"', ",": '","'}  # those that numbers cannot have first
+EXAMPLE: Final = "such as t, rudder, heading"
 LOOKED_AT: Final = 40  # [rows] that tell the separator
 LARGEST: Final = 1e15  # of a number; what is beyond it is none that was measured
 DAY: Final = 86400.0  # [s]
@@ -46,7 +47,10 @@ SPELLINGS: Final = (  # of units, and ours
     (re.compile(r"[\s*]+|\^"), ""),
     (re.compile("s-1$"), "/s"),
 )
-TELLING: Final = ("s", "ms", "min", "h", "rad", "deg", "rad/s", "deg/s", "deg/min", "m/s", "kn")
+TELLING: Final = (
+    *("s", "ms", "min", "h", "rad", "deg", "rad/s", "deg/s", "deg/min", "m/s", "kn"),
+    *("1/s", "rps", "rpm"),
+)
 
 
 def spelt(unit: str) -> str:
@@ -189,6 +193,7 @@ def read_table(path: Path) -> Table:
         rows = [(lines.line_num, [cell.strip() for cell in row]) for row in lines if row]
     except csv.Error as error:
         raise ConfigError(f"{path}: is not a CSV text: {error}") from error
+    _check_heading(path, heads, text)
     twice = [name for name in dict.fromkeys(heads) if heads.count(name) > 1]
     if twice:
         raise ConfigError(f"{path}: column {quote(twice[0])} is given twice")
@@ -230,6 +235,24 @@ def _separator(text: str) -> str:
 
     found = max(SEPARATORS, key=agreeing)
     return found if agreeing(found) > 1 else ","
+
+
+def _check_heading(path: Path, heads: Sequence[str], text: str) -> None:
+    """Check that the first line can be the headings of columns; ConfigError if it is none."""
+    first = next((n for n, line in enumerate(text.splitlines(), 1) if line.strip()), 1)
+    if len(heads) > 1 and all(map(_is_number, heads)):
+        raise ConfigError(
+            f"{path}: line {first}: numbers; the headings of columns belong there, {EXAMPLE}"
+        )
+    beyond = text.splitlines()[first : first + LOOKED_AT]
+    for separator in SEPARATORS.keys() - {","}:  # which numbers may have within
+        sizes = Counter(line.count(separator) + 1 for line in beyond if line.strip())
+        size, count = sizes.most_common(1)[0] if sizes else (1, 0)
+        if len(heads) == 1 and size > 1 and 2 * count > sizes.total():
+            raise ConfigError(
+                f"{path}: line {first}: one heading, and rows of {size} columns: write the "
+                f"headings of all columns there, {EXAMPLE}, and leave out other text"
+            )
 
 
 def _drop_empty(rows: Rows, told: list[str]) -> None:

@@ -16,6 +16,7 @@ from trainer.identify.findings import examine, unwrap_heading
 from trainer.identify.measurements import Finding, Record
 from trainer.identify.ships.ship_file import GRAVITY, ShipFile
 from trainer.identify.sources import UNITS, Column, Sensors, load_record, own_columns, read_by
+from trainer.io.paths import SUFFIX
 
 OWN: Final = {  # columns of the trainer that ships that are not linear need beside the usual ones
     "revolutions": "n",
@@ -85,7 +86,7 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
     _check_needed(record.source, ship, {**further, **dict.fromkeys(record.channels, record.t)})
     if ship.records.positive_rudder == "starboard" and record.rudder is not None:
         record = replace(record, rudder=-record.rudder)
-    findings = [*record.told, *examine(record)]
+    findings = examine(record)
     record = unwrap_heading(record)
     _check_sign(record)
     if ship.sensors is not None:
@@ -122,8 +123,11 @@ def _read(
     path: Path, ship: ShipFile, columns: Mapping[str, Column]
 ) -> tuple[Record, dict[str, Numbers]]:
     """Return the record and its further channels, SI."""
-    if path.suffix != ".csv":
-        raise ConfigError(f"{path}: records for this model are CSV files")
+    if path.suffix == SUFFIX:
+        raise ConfigError(
+            f"{path}: records for this model are CSV files: trainer export {path} --csv FILE "
+            "writes one"
+        )
     usual = {key: one for key, one in columns.items() if key not in FURTHER}
     if ship.records.interval_s is not None:
         usual.pop("t", None)

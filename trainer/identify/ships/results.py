@@ -126,21 +126,21 @@ class Identified:
     held: tuple[Trial, ...]
 
 
-def carry_out(
-    files: Sequence[Path], options: dict[str, Any], heard: Callable[[int, float], None]
-) -> Identified:
-    """Return a ship fitted to its records. ConfigError for what cannot be.
+def read_trials(
+    files: Sequence[Path], options: Mapping[str, Any]
+) -> tuple[ShipFile, tuple[Trial, ...], tuple[Trial, ...]]:
+    """Return a ship, its records, and those to predict. ConfigError for what cannot be.
 
     ``options`` are those of ``trainer identify``.
     """
     if options["ship"] is None:
         raise ConfigError(
-            f"--model {options['model']} needs --ship FILE, a file of the ship's dimensions"
+            f"--model {options['model']} needs --ship FILE, a file of the ship's dimensions: "
+            f"trainer identify new {files[0]} --ship ship.toml begins one"
         )
     ship, every = load_ship(options["ship"]), int(options["every"] or 1)
     trials = tuple(load_trial(path, ship, every) for path in files)
-    held = tuple(load_trial(path, ship, every) for path in options["predict"])
-    return fit_trials(ship, trials, held, options, heard)
+    return ship, trials, tuple(load_trial(path, ship, every) for path in options["predict"])
 
 
 def fit_trials(

@@ -1,0 +1,125 @@
+"""The file of a ship begun from a record, for its user to complete."""
+
+import shlex
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Final
+
+from trainer.config.files import ConfigError, write_once
+from trainer.config.tables import Table, read_table
+from trainer.identify.findings import examine
+from trainer.identify.guessed_columns import SHIP_WORDS, GuessedColumns, guess_columns
+from trainer.identify.measurements import Record
+from trainer.identify.proposal import Proposal, columns_text, quoted, turned
+from trainer.identify.ships.records import FURTHER, GROUND, NEEDED, OWN
+from trainer.identify.sources import Column, load_record, own_columns, units_of
+
+TEXT: Final = """\
+# The file of a ship, for records like {record}. What was guessed is marked: correct it.
+# Fill in [dimensions]; then: {command}
+schema = "ship/1"
+name = {name}
+
+[dimensions]
+{length} between perpendiculars
+# propeller_diameter_m = 9.86  # fill in: of one propeller
+# wake_fraction = 0.4  # fill in: w, the propeller meets (1-w) u; 0.35 to 0.4 for the tanker KVLCC2
+# thrust = [0.324, -0.221, -0.149]  # fill in: K_T = k0 + k1 J + k2 J^2; these are KVLCC2's
+# For the prior, else it is that of full tankers:
+# beam_m = 58.0
+# draught_m = 20.8
+# block_coefficient = 0.81
+
+[records]
+{records}
+{columns}"""
+GUESSED: Final = "  # guessed: say so if the water stood still"
+MISSING: Final = """\
+# [[columns]]  # fill in: {why}
+# channel = "{channel}"
+# column = ""
+
+"""
+WIND: Final = "is taken for the relative wind; leave its [[columns]] out if it is over ground"
+
+
+def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
+    """Write the file proposed for the ship of a record to a new file.
+
+    ConfigError if the file is there, or no column of the record is known.
+    """
+    table = read_table(data)
+    own = _own(table)
+    found = own or guess_columns(table, SHIP_WORDS, _units)
+    if found.columns.keys() <= {"t"}:
+        raise ConfigError(
+            f"{data}: no column looks like the rudder, the speed or the heading; it has "
+            f"{', '.join(table.names)}: name them so"
+        )
+    usual = {key: one for key, one in found.columns.items() if key not in FURTHER}
+    record = load_record(data, usual)
+    sign = ""
+    if record.rudder is not None:
+        record, sign = turned(record)
+    lacking = _lacking(found.columns)
+    text = TEXT.format(
+        record=data.name,
+        command=fitting(data, path),
+        name=quoted(data.stem[:79]),
+        length=f"length_m = {length:g}  #" if length else "# length_m = 320.0  # fill in:",
+        records=sign + _records(found.columns),
+        columns=("" if own else columns_text(found))
+        + "".join(MISSING.format(channel=channel, why=why) for channel, why in lacking.items()),
+    )
+    write_once(path, text.rstrip() + "\n")
+    remarks = (*_remarks(record, found), *(f"no column for {channel} found" for channel in lacking))
+    return Proposal(text, len(record.t), record.interval, found.columns, remarks)
+
+
+def _own(table: Table) -> GuessedColumns | None:
+    """Return the columns as the trainer writes them, which a ship's file need not name."""
+    own = {
+        **own_columns(),
+        **{key: Column(name, next(iter(_units(key)))) for key, name in OWN.items()},
+    }
+    found = {key: column for key, column in own.items() if table.has(column.name)}
+    return None if _lacking(found) else GuessedColumns(found, frozenset())
+
+
+def fitting(data: Path, path: Path) -> str:
+    """Return the command that fits the ship of a file to a record."""
+    names = [shlex.quote(str(one)) for one in (data, path)]
+    return f"trainer identify {names[0]} --model mmg --ship {names[1]}"
+
+
+def _units(channel: str) -> Mapping[str, float]:
+    """Return the units that a channel can have, and what each is in SI."""
+    return FURTHER[channel] if channel in FURTHER else units_of(channel)
+
+
+def _lacking(columns: Collection[str]) -> dict[str, str]:
+    """Return the channels that a fit needs and that were not found, and why it needs them."""
+    needed = {"rudder": "what the ship answers", **NEEDED}
+    if all(channel in columns for channel in (*GROUND, "heading")):
+        del needed["speed"], needed["sway"]
+    if "heading" not in columns and "yaw_rate" not in columns:
+        needed["heading"] = "or the yaw rate, as yaw_rate"
+    return {channel: why for channel, why in needed.items() if channel not in columns}
+
+
+def _records(columns: Collection[str]) -> str:
+    """Return the lines that say how the record is meant."""
+    lines = []
+    if "t" not in columns:
+        lines.append("interval_s = 1  # guessed: there is no time\n")
+    if all(channel in columns for channel in GROUND) and "speed" not in columns:
+        lines.append(f'current = "none"{GUESSED}\n')
+    return "".join(lines)
+
+
+def _remarks(record: Record, found: GuessedColumns) -> list[str]:
+    """Return what there is to say of a record and its columns."""
+    remarks = [str(one) for one in examine(record)]
+    if "wind_speed" in found.columns:
+        remarks.append(f"{found.columns['wind_speed'].name}: {WIND}")
+    return remarks
