@@ -22,11 +22,11 @@ from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.turns import PullOut, ReverseSpiral, Spiral, Turn
 from trainer.analysis.manoeuvres.vehicle import Control
 from trainer.analysis.manoeuvres.zigzag import ZigZag
+from trainer.boat.ship.forces import ROWS, add_terms, set_terms
+from trainer.boat.ship.models import model_for
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError, shipped
-from trainer.identify.kernels.ship_forces import ROWS, add_terms, set_terms
-from trainer.identify.ships.models import model_for
-from trainer.identify.ships.ship_file import load_ship, parse_ship
+from trainer.config.ship import load_ship, parse_ship
 from trainer.identify.ships.vehicle import IdentifiedShip
 
 TABLES: dict[str, Any] = tomllib.loads((DATA / "mariner_chislett.toml").read_text(encoding="utf-8"))

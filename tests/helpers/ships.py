@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from trainer.boat.ship.forces import ROWS, add_terms, set_terms
+from trainer.boat.ship.models import Model, heeling, model_of
+from trainer.config.ship import Dimensions, Records, Roll, ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import sail_record
-from trainer.identify.kernels.ship_forces import ROWS, add_terms, set_terms
 from trainer.identify.ships.likelihood import Problem
-from trainer.identify.ships.models import TANKER, Model, heeling, model_of
+from trainer.identify.ships.priors import TANKER
 from trainer.identify.ships.records import Trial
-from trainer.identify.ships.ship_file import Dimensions, Records, Roll, ShipFile
 
 SHIP = ShipFile(
     path=Path("ship.toml"),

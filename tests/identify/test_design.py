@@ -11,6 +11,7 @@ import pytest
 from trainer.analysis.characteristic import Means, horizontal
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
+from trainer.config.sensors import Sensors
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.identify.design import Reading, prospect
 from trainer.identify.experiment import (
@@ -29,7 +30,7 @@ from trainer.identify.experiment import (
 from trainer.identify.fitting import fit
 from trainer.identify.minimise import unheard
 from trainer.identify.nomoto import Nomoto
-from trainer.identify.sources import Sensors, read_by
+from trainer.identify.sources import read_by
 from trainer.identify.steering import averages, coefficients, rewritten, steering
 from trainer.identify.study import plain_study
 from trainer.identify.study_records import ModelTable, Ship

@@ -23,23 +23,18 @@ from helpers.ships import (
 
 from trainer.analysis.manoeuvres.flight import fly
 from trainer.analysis.manoeuvres.turns import Turn
+from trainer.boat.ship.models import MODELS, heeling, model_for, model_of
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
+from trainer.config.ship import Result as Fitted
+from trainer.config.ship import ShipColumn, ShipFile, load_ship, parse_ship, ship_text
 from trainer.core.kernel import Numbers
 from trainer.identify.ships import vehicle
 from trainer.identify.ships.fit import Fit, fit, pose, search
 from trainer.identify.ships.likelihood import Problem
-from trainer.identify.ships.models import (
-    MODELS,
-    heeling,
-    model_for,
-    model_of,
-    prior_of,
-)
+from trainer.identify.ships.priors import prior_of
 from trainer.identify.ships.records import Trial, load_trial
 from trainer.identify.ships.results import predict
-from trainer.identify.ships.ship_file import Result as Fitted
-from trainer.identify.ships.ship_file import ShipColumn, ShipFile, load_ship, parse_ship, ship_text
 from trainer.identify.ships.vehicle import IdentifiedShip
 from trainer.units import KNOT
 

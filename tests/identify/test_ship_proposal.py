@@ -9,9 +9,9 @@ from click.testing import CliRunner, Result
 from helpers.ships import sailed_zigzag
 
 from trainer.cli.identify import identify
+from trainer.config.ship import load_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.ships.records import load_trial
-from trainer.identify.ships.ship_file import load_ship
 
 DEGREE = math.pi / 180.0
 FILLED = (  # what a user types in place of the lines to fill in

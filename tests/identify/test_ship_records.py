@@ -21,23 +21,16 @@ from trainer.analysis.manoeuvres.flight import fly
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT, STARBOARD
 from trainer.analysis.sweep.study import parse_study
+from trainer.boat.ship.models import model_of
 from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
+from trainer.config.ship import Records, ShipColumn, ShipFile, load_ship, parse_ship, ship_text
+from trainer.config.ship import Result as Fitted
 from trainer.core.kernel import Numbers
 from trainer.identify.ships import fit, vehicle
 from trainer.identify.ships.likelihood import Problem
-from trainer.identify.ships.models import model_of
 from trainer.identify.ships.records import load_trial
-from trainer.identify.ships.ship_file import (
-    Records,
-    ShipColumn,
-    ShipFile,
-    load_ship,
-    parse_ship,
-    ship_text,
-)
-from trainer.identify.ships.ship_file import Result as Fitted
 from trainer.identify.ships.vehicle import IdentifiedShip, draws, fly_ship
 from trainer.units import KNOT
 

@@ -14,13 +14,14 @@ from helpers.ships import (
     sailed_zigzag,
 )
 
+from trainer.boat.ship.models import FURTHER, model_for, model_of
+from trainer.config.ship import key_tables
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record
 from trainer.identify.ships.fit import Fit, Found, fit, pose, promise_of, search
 from trainer.identify.ships.likelihood import Problem
-from trainer.identify.ships.models import FURTHER, TANKER, kijima, model_for, model_of, prior_of
+from trainer.identify.ships.priors import TANKER, kijima, prior_of
 from trainer.identify.ships.results import explained, predict, untold
-from trainer.identify.ships.ship_file import key_tables
 
 # of two programs of different build, which agree: states at the last sample, -log L, slopes by
 # N_v, X_T, ln sigma_w_r, ln sigma_e_psi and v_0, information of N_v and X_T

@@ -16,10 +16,11 @@ from trainer.analysis.manoeuvres.flight import fly
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
+from trainer.config.sensors import Sensors
+from trainer.config.ship import ShipFile, parse_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import prbs
 from trainer.identify.ships.fit import problem_of, search
-from trainer.identify.ships.ship_file import ShipFile, parse_ship
 from trainer.identify.ships.trials import (
     LEAD,
     BinaryHelm,
@@ -29,7 +30,7 @@ from trainer.identify.ships.trials import (
     flown_trial,
     sensors_of,
 )
-from trainer.identify.sources import USUAL, Sensors
+from trainer.identify.sources import USUAL
 from trainer.units import KNOT
 
 PAGE = (ROOT / "docs" / "nonlinear-ships.md").read_text(encoding="utf-8")

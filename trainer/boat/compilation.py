@@ -26,13 +26,13 @@ COMPLAINTS: Final = "compiling.log"  # of a compilation beside a run; gone when 
 
 def is_kept() -> bool:
     """Return whether everything that a run needs has been compiled on this machine before."""
-    return mark("complete", "core").exists()
+    return mark("complete").exists()
 
 
-def keep(name: str = "complete", folder: str = "core") -> None:
+def keep(name: str = "complete", *folders: str) -> None:
     """Note that everything that a run needs has been compiled; nothing where that cannot be."""
     with contextlib.suppress(OSError):
-        mark(name, folder).touch()
+        mark(name, *folders).touch()
 
 
 def is_settled() -> bool:
@@ -70,20 +70,20 @@ def is_interpreted() -> bool:
 
 @contextlib.contextmanager
 def announced(
-    what: str, tell: Callable[[str], None], name: str = "complete", folder: str = "core"
+    what: str, tell: Callable[[str], None], name: str = "complete", *folders: str
 ) -> Iterator[None]:
     """Tell what is compiled in the block, where this machine has not kept it yet.
 
-    ``name`` is that of the mark that a block leaves which succeeds, for the kernels in a folder of
-    the package.
+    ``name`` is that of the mark that a block leaves which succeeds, for the kernels in folders of
+    the package; of the core, where none is named.
     """
-    if is_interpreted() or mark(name, folder).exists():
+    if is_interpreted() or mark(name, *folders).exists():
         yield
         return
     tell(f"compiling {what} ...")
     with interruptible():
         yield
-    keep(name, folder)
+    keep(name, *folders)
 
 
 @contextlib.contextmanager
@@ -106,7 +106,7 @@ def await_code(given_up: threading.Event) -> bool:
 
     It is waited for until that is ``given_up``.
     """
-    complete, complaints = mark("complete", "core"), cache_folder() / COMPLAINTS
+    complete, complaints = mark("complete"), cache_folder() / COMPLAINTS
     while not complete.exists():
         if given_up.wait(LOOK):
             return False
@@ -155,14 +155,14 @@ def compiling() -> Iterator[bool]:
             yield True
 
 
-def mark(name: str, folder: str) -> Path:
-    """Return the path of a mark for the kernels in a folder of the package."""
+def mark(name: str, *folders: str) -> Path:
+    """Return the path of a mark for the kernels in folders, else in the core."""
     import numba  # noqa: PLC0415
     from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
 
     asked = [numba.__version__, sys.version, binding.get_host_cpu_name()]
     asked += [os.environ.get(f"NUMBA_CPU_{name}", "") for name in ("NAME", "FEATURES")]
-    for path in sources(folder):
+    for path in sources(*(folders or ("core",))):
         status = path.stat()
         asked.append(f"{path} {status.st_mtime_ns} {status.st_size}")
     return cache_folder() / f"{name}-{hashlib.sha256(repr(asked).encode()).hexdigest()[:16]}"

@@ -196,11 +196,11 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
     """Return report and flight of a boat, or of a ship that was identified."""
     from trainer.analysis.manoeuvres import page  # noqa: PLC0415
     from trainer.config.nomoto import is_nomoto  # noqa: PLC0415
+    from trainer.config.ship import is_ship, load_ship  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
-    from trainer.identify.ships import ship_file  # noqa: PLC0415
 
     path = ships.path_of(vessel)
-    known = path.suffix == ".toml" and (is_nomoto(path), ship_file.is_ship(path))
+    known = path.suffix == ".toml" and (is_nomoto(path), is_ship(path))
     if not known or not any(known):
         return page.fly_boat(load_vessel(vessel), name, options)
     unknown = [f"--{option}" for option in OF_BOATS if option in options_given()]
@@ -210,7 +210,7 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
     if known[1]:
         from trainer.identify.ships.vehicle import fly_ship  # noqa: PLC0415
 
-        return fly_ship(ship_file.load_ship(path), name, options)
+        return fly_ship(load_ship(path), name, options)
     from trainer.analysis.manoeuvres.nomoto_ship import steer_ship  # noqa: PLC0415
 
     ship = steer_ship(path, options["step"])

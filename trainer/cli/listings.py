@@ -234,7 +234,7 @@ def _identification() -> dict[str, Any]:
 
 
 def _ship() -> dict[str, Any]:
-    from trainer.identify.ships.ship_file import ship_schema  # noqa: PLC0415
+    from trainer.config.ship import ship_schema  # noqa: PLC0415
 
     return ship_schema()
 

@@ -8,6 +8,7 @@ import click
 from trainer.cli.answers import show, show_step, tell, write_text
 from trainer.cli.options import options_given
 
+KERNELS: Final = "boat/ship", "identify/kernels"
 FITS: Final = "the kernels of ships, once (some 20 s)"
 MODELS: Final = ("linear", "mavmm", "abkowitz", "mmg")
 FOR_OTHERS: Final = (  # options that these models do not know
@@ -30,10 +31,10 @@ def path_of(vessel: str) -> Path:
 
 def is_ship(vessel: str) -> bool:
     """Return whether a vessel is the file of a ship that is not linear."""
-    from trainer.identify.ships import ship_file  # noqa: PLC0415
+    from trainer.config.ship import is_ship as is_ships_file  # noqa: PLC0415
 
     path = path_of(vessel)
-    return path.suffix == ".toml" and path.is_file() and ship_file.is_ship(path)
+    return path.suffix == ".toml" and path.is_file() and is_ships_file(path)
 
 
 def design_trials(path: Path, options: dict[str, Any]) -> None:
@@ -52,12 +53,12 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
             "binary sequence"
         )
     from trainer.boat import compilation  # noqa: PLC0415
+    from trainer.config.ship import load_ship  # noqa: PLC0415
     from trainer.identify.ships import trials  # noqa: PLC0415
-    from trainer.identify.ships.ship_file import load_ship  # noqa: PLC0415
 
     ship = load_ship(path)
     sensors = trials.sensors_of(ship, options, given)
-    with compilation.announced(FITS, tell, "ships", "identify/kernels"):
+    with compilation.announced(FITS, tell, "ships", *KERNELS):
         found = trials.design(ship, {**options, "sensors": sensors})
     show(found.report, trials.render, lambda: trials.panels(found), options)
 
@@ -70,14 +71,14 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
         raise click.UsageError(f"{', '.join(unknown)}: not with the models {known}")
     from trainer.boat import compilation  # noqa: PLC0415
     from trainer.config.files import path_named  # noqa: PLC0415
+    from trainer.config.ship import ship_text  # noqa: PLC0415
     from trainer.identify.ships import page  # noqa: PLC0415
     from trainer.identify.ships.results import fit_trials, read_trials  # noqa: PLC0415
-    from trainer.identify.ships.ship_file import ship_text  # noqa: PLC0415
 
     if options["ship"] is not None:
         options = {**options, "ship": path_named(options["ship"], "ships")}
     ship, trials, held = read_trials(files, options)
-    with compilation.announced(FITS, tell, "ships", "identify/kernels"):
+    with compilation.announced(FITS, tell, "ships", *KERNELS):
         found = fit_trials(ship, trials, held, options, show_step)
     if options["write_ship"]:
         sources = ", ".join(Path(source).name for source in found.report.sources)

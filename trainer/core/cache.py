@@ -21,7 +21,9 @@ from typing import Any
 
 _PREFIX = "submarine-trainer-"
 _PRIVATE = "trainer-private-"
-KERNELS = ("core", "identify/kernels", "analysis/fleet", "analysis/sweep")  # folders that have any
+KERNELS = (  # folders that have any
+    *("core", "boat/ship", "identify/kernels", "analysis/fleet", "analysis/sweep"),
+)
 # Digests of earlier cores, whose standard hour ended in the bits of this one's.
 SAME_BITS: frozenset[str] = frozenset()
 

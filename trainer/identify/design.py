@@ -7,13 +7,13 @@ from typing import Final
 import numpy as np
 
 from trainer.config.files import ConfigError
+from trainer.config.sensors import Sensors
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import quantities, quantity_units
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Record, samples_of
 from trainer.identify.models import MODELS, UNITS, Plant, Ship
 from trainer.identify.problem import problem_of
-from trainer.identify.sources import Sensors
 from trainer.identify.start_values import ERRORS, STATES, free_names
 from trainer.identify.steering import Steering
 from trainer.identify.uncertainty import propagate, uncertainty

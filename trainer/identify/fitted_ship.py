@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, Unpack, cast, 
 import numpy as np
 
 from trainer.analysis.report.plots import Panel, Screen, draw, figure_of
+from trainer.boat.ship.models import MODELS as OF_SHIPS
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, path_named
+from trainer.config.ship import ShipFile, load_ship, ship_text
 from trainer.core.kernel import Numbers
 from trainer.identify import fitting
 from trainer.identify.frames import arrays_of, columns_of, names_of, record_of, scale_of
@@ -20,11 +22,9 @@ from trainer.identify.outcome import matrices_of, nomoto_text, series_of, vessel
 from trainer.identify.pages.identify import render, screens
 from trainer.identify.pages.results import Identified, ShipNumber, describe
 from trainer.identify.ships import page as ships_page
-from trainer.identify.ships.models import MODELS as OF_SHIPS
 from trainer.identify.ships.records import FURTHER, OF_ROLL, Trial, load_trial, trial_of
 from trainer.identify.ships.results import Identified as IdentifiedShip
 from trainer.identify.ships.results import fit_trials
-from trainer.identify.ships.ship_file import ShipFile, load_ship, ship_text
 from trainer.identify.sources import factor
 from trainer.identify.study import Study, observe, plain_study
 from trainer.identify.study_records import METHODS, MODELS, NOISES, ParameterRow

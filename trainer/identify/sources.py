@@ -11,7 +11,7 @@ import numpy as np
 
 from trainer.analysis.recording_export import table_layout
 from trainer.config.files import ConfigError, collecting, nearest, quote
-from trainer.config.schema import Quantity, optional, within
+from trainer.config.sensors import Sensors
 from trainer.config.tables import Table, read_table, rebuild_times
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import CHANNELS, PLACES, Finding, Record
@@ -189,28 +189,7 @@ def write_columns(path: Path, columns: Mapping[str, Numbers], form: str = "") ->
         raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from error
 
 
-DEVIATION: Final = within(0, 100)
 STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sensors:
-    """Standard deviations of white errors added to an exact record; none where not said."""
-
-    sway_kn: float | None = optional(Quantity("kn", DEVIATION, "of each log"))
-    yaw_rate_deg_s: float | None = optional(Quantity("deg/s", DEVIATION, "of the rate gyro"))
-    heading_deg: float | None = optional(Quantity("deg", DEVIATION, "of the compass"))
-    seed: float | None = optional(Quantity("-", within(0, 1e15), "of the errors; else 1"))
-
-    def error(self, channel: str) -> float:
-        """Return the standard deviation of a channel, SI."""
-        if channel == "yaw_rate":
-            return math.radians(self.yaw_rate_deg_s or 0.0)
-        if channel == "heading":
-            return math.radians(self.heading_deg or 0.0)
-        return KNOT * (self.sway_kn or 0.0)
-
-
 USUAL: Final = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.1)
 
 

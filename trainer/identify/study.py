@@ -9,6 +9,7 @@ import numpy as np
 
 from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
 from trainer.config.schema import described, file_schema, read_record, record_schema
+from trainer.config.sensors import Sensors
 from trainer.identify.findings import examine, examine_columns, unwrap_heading
 from trainer.identify.measurements import Finding, Record
 from trainer.identify.own_systems import System
@@ -16,7 +17,6 @@ from trainer.identify.sources import (
     USUAL,
     Column,
     NoColumnError,
-    Sensors,
     factor,
     load_record,
     own_columns,

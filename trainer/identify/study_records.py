@@ -15,9 +15,9 @@ from trainer.config.schema import (
     tables_of,
     within,
 )
+from trainer.config.sensors import Sensors
 from trainer.identify.armax import TREATMENTS
 from trainer.identify.measurements import CHANNELS, OUTPUTS, PLACES
-from trainer.identify.sources import Sensors
 
 LONGEST: Final = 1e9  # [s]
 MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2", "own")

@@ -14,6 +14,21 @@ from typing import Final
 
 import numpy as np
 
+from trainer.boat.ship.forces import (
+    AXES,
+    NONLINEAR,
+    PLACES,
+    ROLL,
+    ROLL_RATE,
+    Driven,
+    System,
+    add_heel,
+    add_terms,
+    rows_of,
+    set_terms,
+    states_of,
+)
+from trainer.boat.ship.forward_numbers import FIRST, SECOND
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_slopes import (
     count_reading,
@@ -25,23 +40,8 @@ from trainer.identify.kernels.extended_slopes import (
     take_slopes,
     transition_slopes,
 )
-from trainer.identify.kernels.forward_numbers import FIRST, SECOND
 from trainer.identify.kernels.kernel import kernel, lean
-from trainer.identify.kernels.ship_forces import (
-    AXES,
-    NONLINEAR,
-    PLACES,
-    ROLL,
-    ROLL_RATE,
-    Driven,
-    System,
-    add_heel,
-    add_terms,
-    rows_of,
-    set_jacobian,
-    set_terms,
-    states_of,
-)
+from trainer.identify.kernels.ship_slopes import set_jacobian
 
 INPUTS: Final = 4  # the first column of them
 SECONDS: Final = 8

@@ -4,18 +4,11 @@ Parameters are the last, contiguous index, in this order: the free coefficients,
 the disturbances and of the errors of readings, the first state. There may be none of them.
 """
 
+from trainer.boat.ship.forces import AXES, ROLL_RATE, Driven, System, states_of, units_of
+from trainer.boat.ship.forward_numbers import second_place
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.forward_numbers import second_place
 from trainer.identify.kernels.kernel import lean
-from trainer.identify.kernels.ship_forces import (
-    AXES,
-    ROLL_RATE,
-    Driven,
-    System,
-    coefficient_slopes,
-    states_of,
-    units_of,
-)
+from trainer.identify.kernels.ship_slopes import coefficient_slopes
 
 
 @lean

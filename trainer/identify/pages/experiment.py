@@ -8,6 +8,7 @@ import numpy as np
 
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
+from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
 from trainer.identify.derived import QUANTITIES
 from trainer.identify.design import Prospect, Reading, prospect
@@ -28,7 +29,6 @@ from trainer.identify.experiment import (
 )
 from trainer.identify.measurements import Record
 from trainer.identify.nomoto import Nomoto
-from trainer.identify.sources import Sensors
 from trainer.identify.steering import steering
 from trainer.units import KNOT
 

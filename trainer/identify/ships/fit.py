@@ -7,10 +7,11 @@ from typing import Final
 
 import numpy as np
 
+from trainer.boat.ship.forces import ROLL_RATE, ROWS, STIFFNESS, set_terms
+from trainer.boat.ship.models import AXES, NONLINEAR, Model
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.ship_forces import ROLL_RATE, ROWS, STIFFNESS, set_terms
 from trainer.identify.ships.likelihood import Problem, first_state, floors_of
-from trainer.identify.ships.models import AXES, NONLINEAR, Model, Prior
+from trainer.identify.ships.priors import Prior
 from trainer.identify.ships.records import Trial
 
 GUESS: Final = np.array([0.4, -0.7, 0.5, 0.4, 0.0])  # gamma, l, kappa, c_w, gamma_a of the start

@@ -12,10 +12,10 @@ from typing import Final
 
 import numpy as np
 
+from trainer.boat.ship.forces import System, Terms
+from trainer.boat.ship.models import Model
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record, sail_record
-from trainer.identify.kernels.ship_forces import System, Terms
-from trainer.identify.ships.models import Model
 from trainer.identify.ships.records import Trial
 
 NO_SLOPES: Final = np.empty(0), np.empty((0, 0))

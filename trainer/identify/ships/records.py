@@ -10,12 +10,13 @@ from typing import Final
 import numpy as np
 
 from trainer.config.files import ConfigError, quote
+from trainer.config.sensors import Sensors
+from trainer.config.ship import GRAVITY, ShipFile
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.findings import examine, unwrap_heading
 from trainer.identify.measurements import Finding, Record
-from trainer.identify.ships.ship_file import GRAVITY, ShipFile
-from trainer.identify.sources import UNITS, Column, Sensors, load_record, own_columns, read_by
+from trainer.identify.sources import UNITS, Column, load_record, own_columns, read_by
 from trainer.io.paths import SUFFIX
 
 OWN: Final = {  # columns of the trainer that ships that are not linear need beside the usual ones

@@ -12,17 +12,18 @@ from trainer.analysis.manoeuvres.vehicle import Measure
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import INDENT, cut, table, wrap
+from trainer.boat.ship.models import model_for
 from trainer.config.files import ConfigError
+from trainer.config.sensors import Sensors
+from trainer.config.ship import ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import TAPS, prbs
 from trainer.identify.ships.fit import Fit, expect, problem_of
-from trainer.identify.ships.models import GYRATION, model_for, prior_of
 from trainer.identify.ships.page import in_words
+from trainer.identify.ships.priors import GYRATION, prior_of
 from trainer.identify.ships.records import SHORTEST, Trial, with_steps
 from trainer.identify.ships.results import BOOK, Coefficient, Untold, coefficients_of, untold
-from trainer.identify.ships.ship_file import ShipFile
 from trainer.identify.ships.vehicle import IdentifiedShip
-from trainer.identify.sources import Sensors
 from trainer.units import KNOT
 
 STEPS: Final = 2  # of the ship between samples, where no interval is said: a twentieth of L/U

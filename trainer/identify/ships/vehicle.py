@@ -19,22 +19,14 @@ from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_o
 from trainer.analysis.sweep.manoeuvres import ALONE, manoeuvre_of, speed_of
 from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.study import Study
+from trainer.boat.ship.forces import AXES, PLACES, ROLL, ROWS, add_heel, add_terms, set_terms
+from trainer.boat.ship.models import NONLINEAR, check_names, model_for
 from trainer.config.files import ConfigError, Place
 from trainer.config.schema import read_record
+from trainer.config.ship import ShipFile, read_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import sail_record
-from trainer.identify.kernels.ship_forces import (
-    AXES,
-    PLACES,
-    ROLL,
-    ROWS,
-    add_heel,
-    add_terms,
-    set_terms,
-)
-from trainer.identify.ships.models import NONLINEAR, check_names, model_for
 from trainer.identify.ships.records import SWING
-from trainer.identify.ships.ship_file import ShipFile, read_ship
 from trainer.units import KNOT
 
 COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")

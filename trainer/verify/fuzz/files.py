@@ -24,11 +24,11 @@ from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError, Place, read_text
 from trainer.config.nomoto import load_nomoto
 from trainer.config.sea import parse_sea
+from trainer.config.ship import parse_ship, ship_text
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core.kernel import Record
 from trainer.identify.decca_study import load_decca, load_readings
 from trainer.identify.estimate import resume
-from trainer.identify.ships.ship_file import parse_ship, ship_text
 from trainer.identify.ships.vehicle import IdentifiedShip
 from trainer.identify.sources import Column, load_record
 from trainer.identify.study import load_study

@@ -1,4 +1,4 @@
-"""Four models of ships that are not linear: coefficients, and what books say.
+"""Four models of ships that are not linear, and their coefficients.
 
 A coefficient is named by its equation and its term: ``N_vvr`` is the factor of v'^2 r' in the yaw
 equation, an acceleration in prime units (over U^2/L, in yaw over U^2/L^2). ``mmg`` has the rudder
@@ -7,17 +7,16 @@ file has ``[roll]`` has an equation more in any of them, K; K_phi and K_p are in
 stiffness g GM/k^2 and of its root.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
+from trainer.boat.ship.forces import HEELING, LEVEL, TERM_ROWS, Driven, Terms
 from trainer.config.files import ConfigError, nearest
+from trainer.config.ship import ShipFile
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.ship_forces import HEELING, LEVEL, TERM_ROWS, Driven, Terms
-from trainer.identify.ships.ship_file import Dimensions, ShipFile
 
 AXES: Final = "XYNK"
 NONLINEAR: Final = ("gamma", "l", "kappa", "c_w", "gamma_a")
@@ -42,60 +41,6 @@ ABKOWITZ: Final = {  # his terms beside the cubes: nothing, unless a ship's file
 FURTHER: Final = tuple(f"{axis}_{term}" for axis in ABKOWITZ for term in ABKOWITZ[axis].split())
 OF_SPEED: Final = ("X_u", "X_uu", "X_uuu")  # which have the thrust in them, so that these do not
 OF_THRUST: Final = ("X_T", "Y_Td", "N_Td")
-
-Prior = Mapping[str, tuple[float, float]]  # mean and standard deviation before the strength
-
-# Full tankers, L/B 5.5, C_B 0.81 (model-tests of KVLCC2): the default where a ship file has no form
-TANKER: Final[Prior] = {
-    "X_T": (38.0, 2.0),
-    "X_F": (0.09, 0.05),
-    "X_vv": (0.0, 3.0),
-    "X_vr": (1.6, 1.0),
-    "X_rr": (0.0, 0.3),
-    "X_w": (-0.001, 0.002),
-    "Y_0": (0.0, 0.04),
-    "Y_v": (-0.6, 0.3),
-    "Y_r": (-0.43, 0.15),
-    "Y_vvv": (-3.0, 3.0),
-    "Y_vvr": (-0.4, 1.0),
-    "Y_vrr": (-0.8, 1.0),
-    "Y_rrr": (0.0, 0.5),
-    "Y_F": (-0.2, 0.1),
-    "Y_w": (-0.002, 0.003),
-    "N_0": (0.0, 0.04),
-    "N_v": (-4.4, 1.5),
-    "N_r": (-1.8, 0.8),
-    "N_vvv": (0.0, 3.0),
-    "N_vvr": (-4.6, 4.0),
-    "N_vrr": (0.8, 2.0),
-    "N_rrr": (-0.44, 0.6),
-    "N_F": (1.2, 0.4),
-    "N_w": (0.0, 0.004),
-    "N_ww": (0.0, 0.01),
-    "gamma": (0.5, 0.15),
-    "l": (-0.71, 0.02),
-    "kappa": (0.5, 0.02),
-    "c_w": (0.4, 0.2),
-}
-# Of the order of a container ship of small GM (Son and Nomoto 1981), from memory: as wide as known
-HEEL: Final[Prior] = {
-    "K_0": (0.0, 1.0),
-    "K_v": (8.0, 16.0),
-    "K_r": (-2.0, 8.0),
-    "K_F": (3.0, 6.0),
-    "K_w": (0.0, 0.02),
-    "K_phi": (-1.0, 0.4),
-    "K_p": (-0.1, 0.2),
-    "Y_phi": (0.0, 0.1),
-    "N_phi": (-0.2, 0.5),
-}
-HULL: Final = tuple(f"{axis}_{term}" for axis in "YN" for term in ("v", "r"))
-SHARE: Final = 0.45  # [-] of a mean by formula that is its standard deviation
-GYRATION: Final = 0.25  # [L] radius of a ship
-THRUST_LEFT: Final = 0.78  # [-] 1-t, of a full ship
-SURGE_WATER: Final = 0.075  # [-] of the mass that moves ahead with it
-HULL_RUDDER: Final = 0.31, 0.46  # a_H and -x_H/L, of a full ship
-RUDDER_ARM: Final = 0.5  # [L]
 
 
 @dataclass(frozen=True)
@@ -207,61 +152,3 @@ def check_names(ship: ShipFile, model: Model) -> None:
         raise ConfigError(
             f"{name}: [coefficients] {strange[0]} is none of model {model.name}{hint}"
         )
-
-
-def prior_of(model: Model, ship: ShipFile) -> tuple[Prior, str]:
-    """Return what books say of the free coefficients, and which book says it.
-
-    A model without cubes has no book: its slopes are those of the range it was fitted in.
-    """
-    form = kijima(ship.dimensions)
-    whole = {**TANKER, **HEEL, **form}
-    if model.name in ("linear", "mavmm"):
-        whole = {name: one for name, one in whole.items() if name not in HULL}
-    known = {name: whole[name] for name in model.free if name in whole}
-    source = "formulas of Kijima and others 1990, by the ship's form" if form else "full tankers"
-    return known, source + (", in roll a container ship" if "K_v" in known else "")
-
-
-def kijima(hull: Dimensions) -> Prior:
-    """Return the coefficients that length, beam, draught and block say; empty without these.
-
-    Kijima, Katsuno, Nakiri and Furukawa 1990 (J Soc Nav Arch Japan 168), even keel, over 1/2 rho L
-    d U^2; N_vrr as published there, with C_B d/B. Masses: 2 C_B B/L, the water's pi d/L in sway (a
-    plate of the draught) and a twelfth of it in yaw: estimates, which only set a weak prior.
-    """
-    B, d, C_B = hull.beam_m, hull.draught_m, hull.block_coefficient
-    if B is None or d is None or C_B is None:
-        return {}
-    L = hull.length_m
-    k, a, e = 2.0 * d / L, C_B * B / L, d * (1.0 - C_B) / B
-    own, water = 2.0 * a, math.pi * d / L
-    sway = own + water
-    yaw = own * GYRATION**2 + water / 12.0
-    found = {
-        "X_T": THRUST_LEFT / (own * d / L * (1.0 + SURGE_WATER)),
-        "Y_v": -(0.5 * math.pi * k + 1.4 * a) / sway,
-        "Y_r": -1.5 * a / sway,
-        "Y_vrr": -5.95 * e / sway,
-        "Y_vvr": (1.5 * d * C_B / B - 0.65) / sway,
-        "N_v": -k / yaw,
-        "N_r": (-0.54 * k + k * k) / yaw,
-        "N_rrr": (0.5 * a - 0.09) / yaw,
-        "N_vrr": (0.5 * d * C_B / B - 0.05) / yaw,
-        "N_vvr": -(57.5 * a * a - 18.4 * a + 1.6) / yaw,
-    }
-    found |= _rudder(hull, sway * L * d, yaw * L * d)
-    least = {name: TANKER[name][1] for name in ("Y_vvr", "Y_vrr", "N_rrr", "N_vrr", "N_vvr")}
-    spread = {name: max(SHARE * abs(mean), least.get(name, 0.0)) for name, mean in found.items()}
-    spread["X_T"] = 0.1 * found["X_T"]
-    return {name: (mean, spread[name]) for name, mean in found.items()}
-
-
-def _rudder(hull: Dimensions, sway: float, yaw: float) -> dict[str, float]:
-    """Return the gains of a rudder of known area and height, by Fujii's slope of lift."""
-    if hull.rudder_area_m2 is None or hull.rudder_height_m is None:
-        return {}
-    ratio = hull.rudder_height_m**2 / hull.rudder_area_m2
-    lift = hull.rudder_area_m2 * 6.13 * ratio / (ratio + 2.25)
-    a_H, x_H = HULL_RUDDER
-    return {"Y_F": -(1.0 + a_H) * lift / sway, "N_F": (RUDDER_ARM + a_H * x_H) * lift / yaw}

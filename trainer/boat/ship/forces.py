@@ -16,16 +16,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.core.kernel import Numbers
-from trainer.identify.kernels.forward_numbers import (
-    DIRECTIONS,
-    FIRST,
-    Quantity,
-    quantities,
-    run_steps,
-    second_place,
-)
-from trainer.identify.kernels.kernel import lean, part
+from trainer.boat.ship.forward_numbers import DIRECTIONS, Quantity, quantities, run_steps
+from trainer.core.kernel import Numbers, inlined, kernel
 
 Terms = NDArray[np.int64]
 Units = tuple[float, float, float, float]  # length, stiffness of roll, roll rate and roll
@@ -130,7 +122,7 @@ ROWS: Final = DIRECTIONS + CONSTANTS + len(STEPS)
 LITERALS: Final = np.array(NUMBERS)
 
 
-@lean
+@kernel
 def _hold(table: Numbers, row: int, value: float) -> None:
     """Write a constant."""
     for i in range(table.shape[1]):
@@ -138,7 +130,7 @@ def _hold(table: Numbers, row: int, value: float) -> None:
     table[row, 0] = value
 
 
-@lean
+@kernel
 def set_terms(table: Numbers, ship: Numbers, x: Numbers, c: Numbers, rudder: Numbers) -> None:
     """Write every term at state ``x`` (u, v, r) and inputs ``c``, times U^2/L.
 
@@ -163,7 +155,7 @@ def set_terms(table: Numbers, ship: Numbers, x: Numbers, c: Numbers, rudder: Num
     run_steps(table, STEPS, DIRECTIONS + CONSTANTS)
 
 
-@lean
+@kernel
 def rows_of(terms: Terms) -> int:
     """Return how many rows of a table these terms need."""
     most = 0
@@ -172,17 +164,17 @@ def rows_of(terms: Terms) -> int:
     return most
 
 
-@part
+@inlined
 def units_of(ship: Numbers, x: Numbers) -> Units:
     """Return length and stiffness with the last two of the state."""
     return ship[0], ship[STIFFNESS], x[x.size - 2], x[x.size - 1]
 
 
-@part
-def _in_units(factor: float, place: int, units: Units) -> float:
-    """Return a factor in the units of its place: yaw and roll are over the length.
+@inlined
+def in_units(factor: float, place: int, units: Units) -> float:
+    """Return a factor in the units of its place.
 
-    Roll's own stiffness and damping are in units of those that the ship's file says.
+    Yaw and roll are over the length. Roll's own stiffness and damping are in units of those that the ship's file says.
     """
     if place < 2:
         return factor
@@ -193,7 +185,7 @@ def _in_units(factor: float, place: int, units: Units) -> float:
     return factor * units[1] if place == 2 * AXES + 3 else factor
 
 
-@lean
+@kernel
 def add_terms(table: Numbers, terms: Terms, factors: Numbers, ship: Numbers, out: Numbers) -> None:
     """Write accelerations as forward numbers (places, columns); ``terms`` are (place, row).
 
@@ -205,12 +197,12 @@ def add_terms(table: Numbers, terms: Terms, factors: Numbers, ship: Numbers, out
             out[e, i] = 0.0
     for j in range(terms.shape[0]):
         place = terms[j, 0]
-        factor = _in_units(factors[j], place, units)
+        factor = in_units(factors[j], place, units)
         for i in range(out.shape[1]):
             out[place, i] += factor * table[terms[j, 1], i]
 
 
-@lean
+@kernel
 def add_heel(x: Numbers, out: Numbers) -> None:
     """Add to the accelerations what is times roll rate and roll."""
     for e in range(AXES):
@@ -219,64 +211,7 @@ def add_heel(x: Numbers, out: Numbers) -> None:
             out[e, i] += heeled
 
 
-@part
+@inlined
 def states_of(driven: Driven) -> int:
     """Return how many states there are."""
     return 2 * len(driven) - 2
-
-
-@lean
-def set_jacobian(driven: Driven, rates: Numbers, A: Numbers) -> None:
-    """Write df/dx (n, n) from the forward numbers of the accelerations."""
-    A[:] = 0.0
-    for e in range(len(driven)):
-        for i in range(3):
-            A[driven[e], i] = rates[e, 1 + i]
-        for i in range(ROLL_RATE, states_of(driven)):
-            A[driven[e], i] = rates[AXES * (i - 3) + e, 0]
-    for i in range(3, states_of(driven), 2):
-        A[i, i - 1] = 1.0
-
-
-@part
-def _factor_slopes(table: Numbers, place: int, row: int, units: Units, out: Numbers) -> None:
-    """Write what the factor of a term does, as ``coefficient_slopes``."""
-    axis = place if place < 3 else place % AXES
-    for i in range(4):
-        out[axis, i] = _in_units(table[row, i], place, units)
-    if place >= AXES:
-        by = place // AXES - 1
-        out[axis, ROLL_RATE + by] = out[axis, 0]
-        for i in range(4):
-            out[axis, i] *= units[2 + by]
-
-
-@part
-def coefficient_slopes(
-    work: tuple[Numbers, Numbers],
-    terms: Terms,
-    driven: Driven,
-    units: Units,
-    which: int,
-    out: Numbers,
-) -> None:
-    """Write d/d(coefficient) of the accelerations, and of their derivatives by u, v, r.
-
-    ``out`` is (3, 4) or more; with roll (4, 6), where the last two are by roll rate and roll.
-    ``work`` is the table and the accelerations; ``which`` counts the factors of the terms first,
-    then the nonlinear coefficients.
-    """
-    rates, direction = work[1], 3 + which - terms.shape[0]
-    for e in range(len(driven)):
-        for i in range(states_of(driven)):
-            out[e, i] = 0.0
-    if direction < 3:
-        _factor_slopes(work[0], terms[which, 0], terms[which, 1], units, out)
-        return
-    for e in range(len(driven)):
-        out[e, 0] = rates[e, 1 + direction]
-        if rates.shape[1] > FIRST:
-            for i in range(3):
-                out[e, 1 + i] = rates[e, second_place(i, direction)]
-        for i in range(ROLL_RATE, states_of(driven)):
-            out[e, i] = rates[AXES * (i - 3) + e, 1 + direction]

@@ -16,8 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import lean
+from trainer.core.kernel import Numbers, kernel
 
 STATES: Final = 3  # directions with second derivatives
 DIRECTIONS: Final = 8
@@ -77,7 +76,7 @@ def quantities(variables: int, constants: int) -> tuple[Quantity, ...]:
     return tuple(Quantity(row, row >= variables, steps, first) for row in range(first))
 
 
-@lean
+@kernel
 def _multiply(table: Numbers, a: int, b: int, out: int) -> None:
     """Write the product of two rows."""
     x, y = table[a, 0], table[b, 0]
@@ -93,7 +92,7 @@ def _multiply(table: Numbers, a: int, b: int, out: int) -> None:
                 place += 1
 
 
-@lean
+@kernel
 def _compose(table: Numbers, a: int, shape: tuple[float, float, float], out: int) -> None:
     """Write f of a row; ``shape`` has f and its two derivatives there."""
     table[out, 0] = shape[0]
@@ -108,7 +107,7 @@ def _compose(table: Numbers, a: int, shape: tuple[float, float, float], out: int
                 place += 1
 
 
-@lean
+@kernel
 def _shape(kind: int, x: float) -> tuple[float, float, float]:
     """Return a function of ``x`` and its two derivatives."""
     if kind == ROOT:
@@ -121,14 +120,14 @@ def _shape(kind: int, x: float) -> tuple[float, float, float]:
     return value, value, value
 
 
-@lean
+@kernel
 def _add(table: Numbers, p: tuple[int, float], q: tuple[int, float], out: int) -> None:
     """Write the sum of two rows, each times its factor."""
     for i in range(table.shape[1]):
         table[out, i] = p[1] * table[p[0], i] + q[1] * table[q[0], i]
 
 
-@lean
+@kernel
 def run_steps(table: Numbers, steps: Steps, first: int) -> None:
     """Write the row of each step (kind, two rows), from row ``first`` on.
 
@@ -148,7 +147,7 @@ def run_steps(table: Numbers, steps: Steps, first: int) -> None:
         out += 1
 
 
-@lean
+@kernel
 def second_place(i: int, j: int) -> int:
     """Return the column of the second derivative by ``i`` < 3 and ``j`` >= ``i``."""
     return FIRST + i * DIRECTIONS - i * (i - 1) // 2 + j - i

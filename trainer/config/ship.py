@@ -38,10 +38,10 @@ from trainer.config.schema import (
     usual,
     within,
 )
+from trainer.config.sensors import Sensors
 from trainer.config.vessel_template import toml_value
 from trainer.config.words import SHIP
 from trainer.core.kernel import Numbers
-from trainer.identify.sources import Sensors
 
 SCHEMA: Final = SHIP
 FEET: Final = 500.0  # [m] the longest ship is shorter

@@ -1,0 +1,1 @@
+"""A ship that is not a submarine: its equations, as its file has them."""

@@ -1,0 +1,28 @@
+"""The errors of the instruments that read an exact record, ``[sensors]``."""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.config.schema import Quantity, optional, within
+from trainer.units import KNOT
+
+DEVIATION: Final = within(0, 100)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensors:
+    """Standard deviations of white errors added to an exact record; none where not said."""
+
+    sway_kn: float | None = optional(Quantity("kn", DEVIATION, "of each log"))
+    yaw_rate_deg_s: float | None = optional(Quantity("deg/s", DEVIATION, "of the rate gyro"))
+    heading_deg: float | None = optional(Quantity("deg", DEVIATION, "of the compass"))
+    seed: float | None = optional(Quantity("-", within(0, 1e15), "of the errors; else 1"))
+
+    def error(self, channel: str) -> float:
+        """Return the standard deviation of a channel, SI."""
+        if channel == "yaw_rate":
+            return math.radians(self.yaw_rate_deg_s or 0.0)
+        if channel == "heading":
+            return math.radians(self.heading_deg or 0.0)
+        return KNOT * (self.sway_kn or 0.0)
