@@ -141,7 +141,10 @@ class ShakenShip(TrialShip):
 
     def advance(self) -> None:
         super().advance()
-        self._state[:3] += math.sqrt(self.step) * self._sea * self._stream.standard_normal(3)
+        shaken = math.sqrt(self.step) * self._sea * self._stream.standard_normal(3)
+        u, v, r, *others = self.now.state
+        moved = (np.array([u, v, r]) + shaken).tolist()
+        self.now = self.now._replace(state=(*moved, *others))
 
 
 def scatter(known: ShipFile, found: Design, count: int) -> Numbers:

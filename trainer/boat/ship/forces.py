@@ -174,7 +174,8 @@ def units_of(ship: Numbers, x: Numbers) -> Units:
 def in_units(factor: float, place: int, units: Units) -> float:
     """Return a factor in the units of its place.
 
-    Yaw and roll are over the length. Roll's own stiffness and damping are in units of those that the ship's file says.
+    Yaw and roll are over the length. Roll's own stiffness and damping are in units of those that
+    the ship's file says.
     """
     if place < 2:
         return factor

@@ -15,20 +15,17 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.ship.forces import (
-    AXES,
     NONLINEAR,
     PLACES,
     ROLL,
     ROLL_RATE,
     Driven,
     System,
-    add_heel,
-    add_terms,
     rows_of,
-    set_terms,
     states_of,
 )
 from trainer.boat.ship.forward_numbers import FIRST, SECOND
+from trainer.boat.ship.motion import STAGES, WEIGHTS, is_ship, set_derivative, set_rates
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_slopes import (
     count_reading,
@@ -47,20 +44,6 @@ INPUTS: Final = 4  # the first column of them
 SECONDS: Final = 8
 PARTS: Final = 9
 BESIDE: Final = 6  # columns between the first four readings and those of roll
-SLOWEST: Final = 0.01  # [m/s] a ship that is slower, faster or turns faster is no ship
-FASTEST: Final = 1000.0
-TURNING: Final = 10.0  # [rad/s]
-OVER: Final = 1.5  # [rad] of roll
-STAGES: Final = (0.0, 0.5, 0.5, 1.0)
-WEIGHTS: Final = (1.0, 2.0, 2.0, 1.0)
-
-
-@lean
-def is_ship(x: Numbers) -> bool:
-    """Return whether a state is that of a ship under way."""
-    upright = x.size <= ROLL or (abs(x[ROLL_RATE]) <= TURNING and abs(x[ROLL]) <= OVER)
-    size = abs(x[0]) <= FASTEST and abs(x[1]) <= FASTEST and abs(x[2]) <= TURNING
-    return x[0] >= SLOWEST and size and upright
 
 
 @lean
@@ -97,26 +80,6 @@ def _spread(
 
 
 @lean
-def _set_rates(system: System, x: Numbers, c: Numbers, table: Numbers, rates: Numbers) -> None:
-    """Write the accelerations (places, columns) at a state and inputs; ``table`` is scratch."""
-    ship, terms, values, _, _ = system
-    count = terms.shape[0]
-    set_terms(table, ship, x, c, values[count : count + NONLINEAR])
-    add_terms(table, terms, values, ship, rates)
-    if len(system[4]) == AXES:
-        add_heel(x, rates)
-
-
-@lean
-def _set_derivative(driven: Driven, x: Numbers, rates: Numbers, out: Numbers) -> None:
-    """Write dx/dt from the accelerations."""
-    for e in range(len(driven)):
-        out[driven[e]] = rates[e, 0]
-    for i in range(3, states_of(driven), 2):
-        out[i] = x[i - 1]
-
-
-@lean
 def _advance(
     system: System,
     record: Numbers,
@@ -147,9 +110,9 @@ def _advance(
                 for j in range(S.shape[1]):
                     at[i, j] = S[i, j] + reach * turn[i, j]
             set_inputs(record, k, (part + STAGES[n]) / parts, c)
-            _set_rates(system, stage, c, table, rates)
+            set_rates(system, stage, c, table, rates)
             rate_slopes(system, (table, rates), stage, at, own, turn)
-            _set_derivative(system[4], stage, rates, rate)
+            set_derivative(system[4], stage, rates, rate)
             for i in range(states):
                 total[i] += WEIGHTS[n] * rate[i]
                 for j in range(S.shape[1]):
@@ -211,7 +174,7 @@ def _predict(
     first = terms.shape[0] + NONLINEAR
     noise, T, c = values[first:], record[k, SECONDS], short[4]
     set_inputs(record, k, 0.5, c)
-    _set_rates(system, kept[0], c, table, rates)
+    set_rates(system, kept[0], c, table, rates)
     set_jacobian(driven, rates, A)
     if slopes[0].shape[1] > 0:
         matrix_slopes(driven, rates, slopes[0], dA)

@@ -168,7 +168,7 @@ class TrialShip(IdentifiedShip):
     def start(self, speed: float) -> None:
         """Begin straight ahead at ``speed`` [m/s]; ConfigError if nothing holds it there."""
         super().start(speed)
-        self._turns = self._steady(self._held)[2]
+        self.now = self.now._replace(turns=self.motion.straight(self._held).turns)
 
 
 def design(ship: ShipFile, options: Mapping[str, Any]) -> Design:

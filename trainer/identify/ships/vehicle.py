@@ -19,22 +19,14 @@ from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_o
 from trainer.analysis.sweep.manoeuvres import ALONE, manoeuvre_of, speed_of
 from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.study import Study
-from trainer.boat.ship.forces import AXES, PLACES, ROLL, ROWS, add_heel, add_terms, set_terms
-from trainer.boat.ship.models import NONLINEAR, check_names, model_for
+from trainer.boat.ship.forces import ROLL
+from trainer.boat.ship.motion import Moment, ShipMotion
 from trainer.config.files import ConfigError, Place
 from trainer.config.schema import read_record
 from trainer.config.ship import ShipFile, read_ship
-from trainer.core.kernel import Numbers
-from trainer.identify.kernels.extended_filter import sail_record
-from trainer.identify.ships.records import SWING
-from trainer.units import KNOT
 
 COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")
 OF_ROLL: Final = ("p", "phi")  # columns of a ship with roll, after them
-STEP: Final = 0.025  # [L/U] of a cycle
-STEADY_STEPS: Final = 60  # of Newton, to speed held straight
-CLOSE: Final = 1e-10
-NONE_FREE: Final = np.empty((0, 1), np.int64)
 DRAWS: Final = 100
 FEWEST_DRAWS: Final = 20  # of a long manoeuvre,
 MOST_CYCLES: Final = 600_000  # so that all of them together take no more
@@ -51,139 +43,56 @@ class IdentifiedShip:
 
     def __init__(self, ship: ShipFile, step: float | None = None) -> None:
         """Take the ship's numbers; ConfigError if no fit has given it any."""
-        if ship.result is None:
-            raise ConfigError(
-                f"{ship.path.name}: lacks [result] and [coefficients]: fit it first, "
-                "trainer identify RECORD --model mmg --ship FILE --write-ship FOUND"
-            )
-        self.name = ship.name
-        self.length = ship.dimensions.length_m
-        self.file, self.result = ship, ship.result
-        usual = STEP * self.length / (self.result.speed_kn * KNOT)
-        if ship.roll is not None:
-            usual = min(usual, SWING / math.sqrt(ship.stiffness))
-        self.step = step or float(f"{usual:.1g}")
-        model = model_for(ship, self.result.model, wind="N_ww" in ship.coefficients)
-        check_names(ship, model)
-        self._terms, self._constants = model.terms, ship.constants
-        self._whole = model.whole(ship.coefficients)
-        self._limit = math.radians(ship.dimensions.rudder_limit_deg)
-        self._driven, states = model.driven, model.states
+        self.motion = ShipMotion(ship)
+        self.name, self.length = ship.name, self.motion.length
+        self.step = step or self.motion.step
         self.columns = COLUMNS if ship.roll is None else (*COLUMNS, *OF_ROLL)
-        self._state, self._place = np.zeros(states), np.zeros(2)
-        self._record, self._out = np.zeros((2, 12)), np.empty((2, states))
-        self._values = np.concatenate([self._whole, np.zeros(len(model.noises) + states)])
-        self._neutral = self._rudder = self._ordered = self._turns = self._time = 0.0
+        self.now = Moment(0.0, 0.0, (0.0,) * self.motion.states, 0.0, 0.0)
+        self._neutral = self._ordered = self._time = 0.0
 
     @property
     def speed_kn(self) -> float:
         """Return the speed [kn] at which manoeuvres begin."""
-        return self.result.speed_kn
+        return self.motion.result.speed_kn
 
     @property
     def controls(self) -> Mapping[str, Control]:
         """Return the limits of the rudder; its propeller is not known astern."""
-        return {"rudder": Control(-self._limit, self._limit)}
+        return {"rudder": Control(-self.motion.limit, self.motion.limit)}
 
     def start(self, speed: float) -> None:
         """Begin anew, straight ahead at ``speed`` [m/s]; ConfigError if nothing holds it there."""
-        sway, rudder, turns, *heel = self._steady(speed)
-        rolls = [0.0, *heel] if heel else []
-        self._state = np.array([speed, sway, 0.0, 0.0, *rolls])
-        self._place = np.zeros(2)
-        self._neutral = self._rudder = self._ordered = rudder
-        self._turns, self._time = turns, 0.0
-
-    def _rates(self, state: Numbers, rudder: float, turns: float) -> Numbers:
-        """Return du/dt, dv/dt, dr/dt, and with roll dp/dt, in no wind."""
-        axes = len(self._driven)
-        work, out = np.empty((ROWS, 1)), np.empty((PLACES, 1))
-        inputs = np.array([rudder, turns, 0.0, 0.0])
-        set_terms(work, self._constants, state, inputs, self._whole[-len(NONLINEAR) :])
-        add_terms(work, self._terms, self._whole, self._constants, out)
-        if axes == AXES:
-            add_heel(state, out)
-        return np.array(out[:axes, 0])
-
-    def _steady(self, speed: float) -> tuple[float, ...]:
-        """Return sway [m/s], rudder [rad] and revolutions [1/s] of straight motion, by Newton.
-
-        With roll, also the heel [rad].
-        """
-        axes = len(self._driven)
-        scale = np.array([speed, 1.0, self.result.revolutions_per_s or 1.0, 1.0])[:axes]
-        found = np.zeros(axes)
-        found[2] = scale[2] * speed / (self.result.speed_kn * KNOT)
-
-        def rates(z: Numbers) -> Numbers:
-            return self._rates(np.array([speed, z[0], 0.0, 0.0, 0.0, *z[3:]]), z[1], z[2])
-
-        unit = (
-            np.array([1.0, 1.0, self.length, self.length])[:axes]
-            * self.length
-            / max(speed, 1e-9) ** 2
-        )
-        for _ in range(STEADY_STEPS):
-            left = unit * rates(found)
-            if np.max(np.abs(left)) < CLOSE:
-                break
-            aside = 1e-6 * scale
-            J = np.column_stack(
-                [
-                    unit * (rates(found + e) - rates(found - e)) / (2.0 * e.sum())
-                    for e in np.diag(aside)
-                ]
-            )
-            try:
-                move = np.linalg.solve(J, left)
-            except np.linalg.LinAlgError:
-                break
-            found = found - move / max(1.0, float(np.max(np.abs(move) / (0.3 * scale))))
-        good = np.max(np.abs(unit * rates(found))) < 1e3 * CLOSE and abs(found[1]) < self._limit
-        if not good or not np.isfinite(found).all():
-            raise ConfigError(
-                f"{self.name}: nothing holds it straight at {speed / KNOT:.4g} kn; "
-                f"it was identified at {self.result.speed_kn:.4g} kn"
-            )
-        return tuple(map(float, found))
+        self.now = self.motion.straight(speed)
+        self._neutral = self._ordered = self.now.rudder
+        self._time = 0.0
 
     def incline(self, heel: float) -> None:
         """Heel the ship; do nothing where the model has no roll."""
-        self._state[ROLL:] = heel
+        if len(self.now.state) > ROLL:
+            self.now = self.now._replace(state=(*self.now.state[:ROLL], heel))
 
     def order(self, control: str, value: float) -> None:
         """Order the rudder [rad], positive to starboard, from its neutral angle."""
         del control
-        self._ordered = min(max(self._neutral + value, -self._limit), self._limit)
+        limit = self.motion.limit
+        self._ordered = min(max(self._neutral + value, -limit), limit)
 
     def keep(self, quantity: str) -> None:
         """Do nothing: revolutions are held, and there is no depth."""
 
     def observe(self) -> tuple[float, ...]:
         """Return the columns as they stand, SI and radians; the rudder positive to port."""
-        u, v, r, psi, *rolls = map(float, self._state)
-        x, y = map(float, self._place)
-        return (self._time, u, v, r, x, y, psi, -self._rudder, self._turns, *rolls)
+        now = self.now
+        u, v, r, psi, *rolls = now.state
+        return (self._time, u, v, r, now.north, now.east, psi, -now.rudder, now.turns, *rolls)
 
     def advance(self) -> None:
         """Advance by one step of Runge and Kutta; LostError if it is lost."""
-        h = self.step
-        most = math.radians(self.file.dimensions.rudder_rate_deg_s) * h
-        before, state = self._rudder, self._state
-        self._rudder += min(max(self._ordered - before, -most), most)
-        record, out, values = self._record, self._out, self._values
-        record[0, 4], record[1, 4] = before, self._rudder
-        record[0, 5] = record[1, 5] = self._turns
-        record[0, 8], record[0, 9] = h, 1.0
-        values[-len(state) :] = state
-        system = self._constants, self._terms, values, NONE_FREE, self._driven
-        if sail_record(system, record, out) < 2:
+        then = self.motion.after(self.now, self._ordered, self.step)
+        if then is None:
             raise LostError(f"{self.name} is no ship under way after {self._time:g} s")
-        self._state = out[1].copy()
-        u, v, _, psi, *_ = (0.5 * (state + self._state)).tolist()
-        self._place[0] += h * (u * math.cos(psi) - v * math.sin(psi))
-        self._place[1] += h * (u * math.sin(psi) + v * math.cos(psi))
-        self._time += h
+        self.now = then
+        self._time += self.step
 
 
 def draws(ship: ShipFile, count: int) -> Iterator[ShipFile]:

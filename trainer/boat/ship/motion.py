@@ -1,0 +1,216 @@
+"""A ship that is not linear under way: its rudder, its propeller, Runge and Kutta."""
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.boat.ship.forces import (
+    AXES,
+    NONLINEAR,
+    PLACES,
+    ROLL,
+    ROLL_RATE,
+    Driven,
+    System,
+    add_heel,
+    add_terms,
+    rows_of,
+    set_terms,
+    states_of,
+)
+from trainer.boat.ship.models import check_names, model_for
+from trainer.config.files import ConfigError
+from trainer.config.ship import ShipFile
+from trainer.core.kernel import Numbers, kernel
+from trainer.units import KNOT
+
+SLOWEST: Final = 0.01  # [m/s] a ship that is slower, faster or turns faster is no ship
+FASTEST: Final = 1000.0
+TURNING: Final = 10.0  # [rad/s]
+OVER: Final = 1.5  # [rad] of roll
+STAGES: Final = (0.0, 0.5, 0.5, 1.0)
+WEIGHTS: Final = (1.0, 2.0, 2.0, 1.0)
+FINE: Final = 0.025  # [L/U] of a step
+SWING: Final = 0.5  # [rad] of roll's own period in a step
+STEADY_STEPS: Final = 60  # of Newton, to speed held straight
+CLOSE: Final = 1e-10
+NONE_FREE: Final = np.empty((0, 1), np.int64)
+
+Work = tuple[Numbers, Numbers, Numbers]  # a table, its rates, and three states
+
+
+@kernel
+def is_ship(x: Numbers) -> bool:
+    """Return whether a state is that of a ship under way."""
+    upright = x.size <= ROLL or (abs(x[ROLL_RATE]) <= TURNING and abs(x[ROLL]) <= OVER)
+    size = abs(x[0]) <= FASTEST and abs(x[1]) <= FASTEST and abs(x[2]) <= TURNING
+    return x[0] >= SLOWEST and size and upright
+
+
+@kernel
+def set_rates(system: System, x: Numbers, c: Numbers, table: Numbers, rates: Numbers) -> None:
+    """Write the accelerations (places, columns) at a state and inputs; ``table`` is scratch."""
+    ship, terms, values, _, _ = system
+    count = terms.shape[0]
+    set_terms(table, ship, x, c, values[count : count + NONLINEAR])
+    add_terms(table, terms, values, ship, rates)
+    if len(system[4]) == AXES:
+        add_heel(x, rates)
+
+
+@kernel
+def set_derivative(driven: Driven, x: Numbers, rates: Numbers, out: Numbers) -> None:
+    """Write dx/dt from the accelerations."""
+    for e in range(len(driven)):
+        out[driven[e]] = rates[e, 0]
+    for i in range(3, states_of(driven), 2):
+        out[i] = x[i - 1]
+
+
+@kernel
+def advance(system: System, x: Numbers, c: Numbers, rudder: float, h: float, work: Work) -> None:
+    """Advance a state by ``h`` [s], by Runge and Kutta.
+
+    The rudder goes to ``rudder`` [rad] meanwhile. ``c`` are the inputs as they are, and become those at the end; the last two are the wind.
+    """
+    table, rates, lines = work
+    stage, rate, total = lines[0], lines[1], lines[2]
+    before, states = c[0], states_of(system[4])
+    for i in range(states):
+        total[i] = 0.0
+        rate[i] = 0.0
+    for n in range(4):
+        for i in range(states):
+            stage[i] = x[i] + STAGES[n] * h * rate[i]
+        c[0] = before + STAGES[n] * (rudder - before)
+        set_rates(system, stage, c, table, rates)
+        set_derivative(system[4], stage, rates, rate)
+        for i in range(states):
+            total[i] += WEIGHTS[n] * rate[i]
+    for i in range(states):
+        x[i] += h / 6.0 * total[i]
+
+
+class Moment(NamedTuple):
+    """A ship at a time, SI; the rudder is positive to starboard."""
+
+    north: float
+    east: float
+    state: tuple[float, ...]  # u, v, r, heading; with roll its rate and roll
+    rudder: float
+    turns: float  # [1/s] of the propeller
+
+
+class ShipMotion:
+    """The motion of a ship by the numbers of its file."""
+
+    def __init__(self, ship: ShipFile) -> None:
+        """Take the ship's numbers; ConfigError if no fit has given it any."""
+        if ship.result is None:
+            raise ConfigError(
+                f"{ship.path.name}: lacks [result] and [coefficients]: fit it first, "
+                "trainer identify RECORD --model mmg --ship FILE --write-ship FOUND"
+            )
+        self.file, self.result = ship, ship.result
+        self.length = ship.dimensions.length_m
+        self.limit = math.radians(ship.dimensions.rudder_limit_deg)
+        self._fastest = math.radians(ship.dimensions.rudder_rate_deg_s)
+        model = model_for(ship, self.result.model, wind="N_ww" in ship.coefficients)
+        check_names(ship, model)
+        values = np.concatenate(
+            [model.whole(ship.coefficients), np.zeros(len(model.noises) + model.states)]
+        )
+        self._system: System = ship.constants, model.terms, values, NONE_FREE, model.driven
+        self._rows = rows_of(model.terms)
+
+    @property
+    def states(self) -> int:
+        """Return how many states there are."""
+        return states_of(self._system[4])
+
+    @property
+    def step(self) -> float:
+        """Return the usual step [s]."""
+        usual = FINE * self.length / (self.result.speed_kn * KNOT)
+        if self.file.roll is not None:
+            usual = min(usual, SWING / math.sqrt(self.file.stiffness))
+        return float(f"{usual:.1g}")
+
+    def straight(self, speed: float) -> Moment:
+        """Return the ship straight ahead to the north; ConfigError if nothing holds it there."""
+        sway, rudder, turns, *heel = self._steady(speed)
+        rolls = (0.0, *heel) if heel else ()
+        return Moment(0.0, 0.0, (speed, sway, 0.0, 0.0, *rolls), rudder, turns)
+
+    def after(self, now: Moment, wanted: float, h: float) -> Moment | None:
+        """Return the ship ``h`` [s] later, its rudder on the way to ``wanted`` [rad].
+
+        None if it is then no ship under way.
+        """
+        most = self._fastest * h
+        rudder = now.rudder + min(
+            max(min(max(wanted, -self.limit), self.limit) - now.rudder, -most), most
+        )
+        x, c = np.array(now.state), np.array([now.rudder, now.turns, 0.0, 0.0])
+        advance(self._system, x, c, rudder, h, self._work())
+        if not is_ship(x):
+            return None
+        u, v, _, psi, *_ = (0.5 * (np.array(now.state) + x)).tolist()
+        north = now.north + h * (u * math.cos(psi) - v * math.sin(psi))
+        east = now.east + h * (u * math.sin(psi) + v * math.cos(psi))
+        return Moment(north, east, tuple(x.tolist()), rudder, now.turns)
+
+    def _work(self) -> Work:
+        """Return room for the terms, their sums and three states."""
+        driven = self._system[4]
+        places = PLACES if len(driven) == AXES else len(driven)
+        return (
+            np.empty((self._rows, 1)),
+            np.empty((places, 1)),
+            np.empty((3, states_of(driven))),
+        )
+
+    def _rates(self, state: Numbers, rudder: float, turns: float) -> Numbers:
+        """Return du/dt, dv/dt, dr/dt, and with roll dp/dt, in no wind."""
+        table, rates, _ = self._work()
+        set_rates(self._system, state, np.array([rudder, turns, 0.0, 0.0]), table, rates)
+        return np.array(rates[: len(self._system[4]), 0])
+
+    def _steady(self, speed: float) -> tuple[float, ...]:
+        """Return sway [m/s], rudder [rad] and revolutions [1/s] of straight motion, by Newton.
+
+        With roll, also the heel [rad].
+        """
+        axes = len(self._system[4])
+        scale = np.array([speed, 1.0, self.result.revolutions_per_s or 1.0, 1.0])[:axes]
+        found = np.zeros(axes)
+        found[2] = scale[2] * speed / (self.result.speed_kn * KNOT)
+        still = [0.0] if axes == AXES else []
+        unit = np.array([1.0, 1.0, self.length, self.length])[:axes]
+        unit *= self.length / max(speed, 1e-9) ** 2
+
+        def left(z: Numbers) -> Numbers:
+            state = np.array([speed, z[0], 0.0, 0.0, *still, *z[3:]])
+            return unit * self._rates(state, z[1], z[2])
+
+        for _ in range(STEADY_STEPS):
+            off = left(found)
+            if np.max(np.abs(off)) < CLOSE:
+                break
+            aside = np.diag(1e-6 * scale)
+            J = np.column_stack(
+                [(left(found + e) - left(found - e)) / (2.0 * e.sum()) for e in aside]
+            )
+            try:
+                move = np.linalg.solve(J, off)
+            except np.linalg.LinAlgError:
+                break
+            found = found - move / max(1.0, float(np.max(np.abs(move) / (0.3 * scale))))
+        good = np.max(np.abs(left(found))) < 1e3 * CLOSE and abs(found[1]) < self.limit
+        if not good or not np.isfinite(found).all():
+            raise ConfigError(
+                f"{self.file.name}: nothing holds it straight at {speed / KNOT:.4g} kn; "
+                f"it was identified at {self.result.speed_kn:.4g} kn"
+            )
+        return tuple(map(float, found))
