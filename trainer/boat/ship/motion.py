@@ -72,7 +72,8 @@ def set_derivative(driven: Driven, x: Numbers, rates: Numbers, out: Numbers) -> 
 def advance(system: System, x: Numbers, c: Numbers, rudder: float, h: float, work: Work) -> None:
     """Advance a state by ``h`` [s], by Runge and Kutta.
 
-    The rudder goes to ``rudder`` [rad] meanwhile. ``c`` are the inputs as they are, and become those at the end; the last two are the wind.
+    The rudder goes to ``rudder`` [rad] meanwhile. ``c`` are the inputs as they are, and become
+    those at the end; the last two are the wind.
     """
     table, rates, lines = work
     stage, rate, total = lines[0], lines[1], lines[2]
@@ -187,8 +188,8 @@ class ShipMotion:
         found = np.zeros(axes)
         found[2] = scale[2] * speed / (self.result.speed_kn * KNOT)
         still = [0.0] if axes == AXES else []
-        unit = np.array([1.0, 1.0, self.length, self.length])[:axes]
-        unit *= self.length / max(speed, 1e-9) ** 2
+        levers = np.array([1.0, 1.0, self.length, self.length])[:axes]
+        unit = levers * self.length / max(speed, 1e-9) ** 2
 
         def left(z: Numbers) -> Numbers:
             state = np.array([speed, z[0], 0.0, 0.0, *still, *z[3:]])
