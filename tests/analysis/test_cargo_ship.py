@@ -200,8 +200,8 @@ def shipped_rates(state: np.ndarray, rudder: float) -> np.ndarray:
     model = model_for(file, "abkowitz", wind=False)
     work, out = np.empty((ROWS, 1)), np.empty((3, 1))
     inputs = np.array([rudder, 1.25, 0.0, 0.0])
-    set_terms(work, file.constants, state, inputs, np.zeros(5))
-    add_terms(work, model.terms, model.whole(file.coefficients), file.constants, out)
+    set_terms(work, np.array(file.constants), state, inputs, np.zeros(5))
+    add_terms(work, model.terms, model.whole(file.coefficients), np.array(file.constants), out)
     return out[:, 0]
 
 

@@ -33,7 +33,7 @@ SHIP = ShipFile(
     sensors=None,
     columns=(),
 )
-CONSTANTS = SHIP.constants
+CONSTANTS = np.array(SHIP.constants)
 NOISE = np.array([0.004, 0.003, 3e-5, 0.02, 0.02, 1e-4, 5e-4])
 
 # a full tanker that keeps her course
@@ -171,7 +171,7 @@ def rolled_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, N
         step = np.vstack([row, row])
         step[1, 4], step[:, 9] = rudder, 4.0
         values = np.concatenate([whole, ROLL_NOISE, state])
-        system = ROLLING.constants, model.terms, values, none, model.driven
+        system = np.array(ROLLING.constants), model.terms, values, none, model.driven
         assert sail_record(system, step, out) == 2
         state = out[1].copy()
         state[[0, 1, 2, 4]] += ROLL_NOISE[:4] * math.sqrt(T) * stream.standard_normal(4)

@@ -55,7 +55,7 @@ def rolling_problem(name: str) -> tuple[Problem, Numbers]:
     trial = replace(trial, table=np.column_stack([trial.table, rolls]))
     count = len(model.free) + len(model.noises)
     nothing = np.zeros(count), np.full(count, math.inf), np.zeros(6)
-    problem = Problem(model, ROLLING.constants, (trial,), *nothing)
+    problem = Problem(model, np.array(ROLLING.constants), (trial,), *nothing)
     first = [*a[-4:], 1e-3, 0.02]
     noise = ROLL_NOISE * [1, 1, 1, 3, 1, 1, 1, 1, 5, 5]
     return problem, np.array([*(values[each] for each in model.free), *np.log(noise), *first])
@@ -104,7 +104,7 @@ def found() -> Fit:
     trial, _ = rolled_zigzag(20.0, seed=1)
     trial.table[:, 10] = math.nan
     model = heeling(model_of("mmg", wind=False))
-    problem, begin = pose(model, PLAIN.constants, [trial], prior_of(model, PLAIN)[0], 0.5)
+    problem, begin = pose(model, np.array(PLAIN.constants), [trial], prior_of(model, PLAIN)[0], 0.5)
     return fit(problem, begin, lambda *_: None)
 
 
@@ -327,7 +327,7 @@ def test_a_trial_says_what_it_would_tell_of_roll(tmp_path: Path) -> None:
 def test_a_search_from_the_truth_stays_there() -> None:
     trial, first = rolled_zigzag(20.0, seed=3)
     model = model_for(ROLLING, "mmg", wind=False)
-    problem, _ = pose(model, ROLLING.constants, [trial], prior_of(model, PLAIN)[0], 0.5)
+    problem, _ = pose(model, np.array(ROLLING.constants), [trial], prior_of(model, PLAIN)[0], 0.5)
     truth = np.array([*(HEELED[name] for name in model.free), *np.log(ROLL_NOISE), *first])
 
     end = search(problem, truth, lambda *_: None)

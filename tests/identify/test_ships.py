@@ -94,7 +94,7 @@ def test_the_gradient_holds_for_each_further_term_of_a_polynomial() -> None:
     model = replace(model, free=(*plain.model.free, *FURTHER))
     p = len(model.free)
     limits = np.zeros(p + 7), np.full(p + 7, math.inf), np.zeros(4)
-    problem = Problem(model, ship.constants, plain.trials, *limits)
+    problem = Problem(model, np.array(ship.constants), plain.trials, *limits)
     a = np.concatenate([first[: p - len(further)], [*further.values()], first[p - len(further) :]])
     _, g, H = problem.slopes(a)
     known = np.sqrt(np.diag(H))

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.files import ConfigError, Place, beside, collecting
+from trainer.config.files import ConfigError, Place, beside, collecting, path_named
 from trainer.config.nomoto import NomotoFile, load_nomoto
 from trainer.config.schema import (
     Choice,
@@ -27,6 +27,7 @@ from trainer.config.schema import (
     usual,
     within,
 )
+from trainer.config.ship import ShipFile, load_ship
 from trainer.io.orders.schedule import LATEST
 from trainer.units import KNOT
 
@@ -188,7 +189,10 @@ class ContactRow:
         Flag("the current of 5 m carries it; its way is through the water; else over the ground")
     )
     nomoto: str | None = optional(
-        Text(200, "file of an identified ship that steers it; with one point and a course")
+        Text(200, "file of an identified Nomoto ship that steers it; with one point and a course")
+    )
+    ship: str | None = optional(
+        Text(200, "the same, of a ship that is not linear; it has way on from the start")
     )
 
 
@@ -198,7 +202,8 @@ class Contact:
 
     row: ContactRow
     place: Place
-    nomoto: NomotoFile | None = None  # the ship that answers its rudder
+    nomoto: NomotoFile | None = None  # the ship that answers its rudder,
+    ship: ShipFile | None = None  # or one that is not linear
 
     @property
     def type(self) -> ShipType:
@@ -265,7 +270,8 @@ def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...
         inside = Place(place.file, f"contact[{i}]")
         with collecting(problems):
             nomoto = _nomoto(row, path) if row.nomoto else None
-            contact = Contact(row=row, place=inside, nomoto=nomoto)
+            ship = _ship(row, path) if row.ship else None
+            contact = Contact(row=row, place=inside, nomoto=nomoto, ship=ship)
             problems += _faults(contact)
             found.append(contact)
     problems += _twice(found)
@@ -288,6 +294,11 @@ def contacts_schema() -> dict[str, Any]:
 def encounters_schema() -> dict[str, Any]:
     """Return the JSON Schema of the table [contacts]."""
     return record_schema(Encounters, ("note",))
+
+
+def _ship(row: ContactRow, path: Path) -> ShipFile:
+    """Return the ship of a contact that is not linear; ConfigError if its file is of none."""
+    return load_ship(path_named(beside(path, str(row.ship)), "ships"))
 
 
 def _nomoto(row: ContactRow, path: Path) -> NomotoFile:
@@ -333,10 +344,27 @@ def _misplaced(contact: Contact) -> list[str]:
     found = []
     if row.course_deg is not None and len(row.points) > 1:
         found.append(place.wrong("course_deg", row.course_deg, "goes with one point alone"))
-    if row.nomoto is not None and len(row.points) > 1:
-        found.append(place.wrong("nomoto", row.nomoto, "goes with one point and course_deg"))
+    for key in ("nomoto", "ship"):
+        file = getattr(row, key)
+        if file is not None and len(row.points) > 1:
+            found.append(place.wrong(key, file, "goes with one point and course_deg"))
+    if row.ship is not None:
+        found += _without_way(contact)
     if row.drifts and row.status == "at anchor":
         found.append(place.wrong("drifts", row.drifts, 'does not go with status = "at anchor"'))
+    return found
+
+
+def _without_way(contact: Contact) -> list[str]:
+    """Return which keys do not go with a ship that is not linear."""
+    row, place = contact.row, contact.place
+    found = []
+    if row.nomoto is not None:
+        found.append(place.wrong("ship", row.ship, "goes without nomoto: give one"))
+    if not any(contact.speeds):
+        found.append(place.wrong("ship", row.ship, "goes with speed_kn: it has way on"))
+    if row.starts_s:
+        found.append(place.wrong("starts_s", row.starts_s, "goes without ship: it has way on"))
     return found
 
 

@@ -390,3 +390,15 @@ def _decimal_hint(line: str) -> str:
     """Return the number as TOML writes it where a line gives it with a decimal comma."""
     comma = re.search(r"=\s*(-?\d+),(\d+)\s*(#|$)", line)
     return f"; a number has a decimal point: {comma[1]}.{comma[2]}" if comma else ""
+
+
+def toml_value(value: Any) -> str:
+    """Return a value as TOML writes it, on one line."""
+    if isinstance(value, Mapping):
+        inside = ", ".join(f"{format_key(key)} = {toml_value(each)}" for key, each in value.items())
+        return f"{{ {inside} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(toml_value, value))}]"
+    if isinstance(value, str | bool):
+        return json.dumps(value, ensure_ascii=False)
+    return str(value)

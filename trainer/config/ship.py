@@ -9,8 +9,6 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Final
 
-import numpy as np
-
 from trainer.config.files import (
     ConfigError,
     Place,
@@ -19,6 +17,7 @@ from trainer.config.files import (
     nearest,
     parse_toml,
     read_text,
+    toml_value,
 )
 from trainer.config.schema import (
     Choice,
@@ -39,9 +38,7 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.sensors import Sensors
-from trainer.config.vessel_template import toml_value
 from trainer.config.words import SHIP
-from trainer.core.kernel import Numbers
 
 SCHEMA: Final = SHIP
 FEET: Final = 500.0  # [m] the longest ship is shorter
@@ -156,7 +153,7 @@ class ShipFile:
     roll: Roll | None = None
     result: Result | None = None
     coefficients: Mapping[str, float] = field(default_factory=dict)
-    covariance: Numbers | None = None  # of the coefficients that are ``uncertain``
+    covariance: tuple[tuple[float, ...], ...] | None = None  # of those ``uncertain``
     uncertain: tuple[str, ...] = ()
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
@@ -169,11 +166,11 @@ class ShipFile:
         return GRAVITY * self.roll.gm_m / radius**2
 
     @property
-    def constants(self) -> Numbers:
+    def constants(self) -> tuple[float, ...]:
         """Return length, diameter, K_T, 1-w, advance and stiffness, as the kernels take them."""
         hull = self.dimensions
         propeller = hull.propeller_diameter_m, *hull.thrust, 1.0 - hull.wake_fraction
-        return np.array([hull.length_m, *propeller, hull.advance_m or 0.0, self.stiffness])
+        return hull.length_m, *propeller, hull.advance_m or 0.0, self.stiffness
 
 
 def is_ship(path: Path) -> bool:
@@ -248,7 +245,7 @@ def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
     names = tuple(rows)
     inside = place.inside("covariance")
     line = Quantities(NUMBER, max(len(names), 1), max(len(names), 1))
-    matrix = np.array([line.read(name, row, inside) for name, row in rows.items()])
+    matrix = tuple(line.read(name, row, inside) for name, row in rows.items())
     strange = [name for name in names if name not in found]
     if strange:
         raise ConfigError(inside.problem(f"{strange[0]} is no coefficient of the file"))

@@ -1,13 +1,20 @@
 """A vessel file written out: every key with its unit, its law and its meaning."""
 
-import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from textwrap import wrap
 from typing import Any, Final
 
 from trainer.config.coefficients import AXES
-from trainer.config.files import as_typed, format_key, parse_toml, path_named, read_text, write_once
+from trainer.config.files import (
+    as_typed,
+    format_key,
+    parse_toml,
+    path_named,
+    read_text,
+    toml_value,
+    write_once,
+)
 from trainer.config.schema import Kind, Named, Rows, Table, kinds_of
 from trainer.config.similarity import formula, law_of, scaled_table
 from trainer.config.vessel import (
@@ -98,18 +105,6 @@ def _line(text: str, note: str) -> Iterator[str]:
         yield from filter(None, (text,))
     else:
         yield f"{text}   {note}".strip()
-
-
-def toml_value(value: Any) -> str:
-    """Return a value as TOML writes it, on one line."""
-    if isinstance(value, Mapping):
-        inside = ", ".join(f"{format_key(key)} = {toml_value(each)}" for key, each in value.items())
-        return f"{{ {inside} }}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(toml_value, value))}]"
-    if isinstance(value, str | bool):
-        return json.dumps(value, ensure_ascii=False)
-    return str(value)
 
 
 def scaled_vessel(given: Mapping[str, Any], factor: float) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from trainer.boat.world.contacts import contacts_of
-from trainer.boat.world.steered import Course, Steered
+from trainer.boat.world.steered import Course, Steered, SteeredNomoto
 from trainer.config.contacts import read_contacts
 from trainer.config.files import ConfigError, Place, remembering
 from trainer.config.nomoto import NomotoFile, nomoto_text_of
@@ -33,7 +33,7 @@ def ship(**changes: float) -> NomotoFile:
 
 def steered(speed: float, course: float, file: NomotoFile | None = None) -> Steered:
     start = Course(0.0, 0.0, 0.0, speed, 0.0, 0.0, 0.0)
-    return Steered(file or ship(), STEP, 0.0, start, course, speed)
+    return Steered(SteeredNomoto(file or ship()), STEP, 0.0, start, course, speed)
 
 
 @pytest.mark.parametrize("course", [math.radians(60.0), math.radians(-120.0), 0.0])

@@ -27,11 +27,10 @@ from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
 from trainer.boat.stability import responses, stable_at
 from trainer.config.coefficients import AXES
-from trainer.config.files import ConfigError, format_key, path_named
+from trainer.config.files import ConfigError, format_key, path_named, toml_value
 from trainer.config.hull import BOW, RUDDER, STERN, X, defaulted, load_hull
 from trainer.config.plausibility import MASS_PRIME
 from trainer.config.vessel import VesselFile, parse_vessel
-from trainer.config.vessel_template import toml_value
 from trainer.core.kernel import Numbers
 from trainer.core.terms import COEFFICIENTS, TABLE
 from trainer.units import KNOT

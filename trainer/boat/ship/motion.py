@@ -122,7 +122,8 @@ class ShipMotion:
         values = np.concatenate(
             [model.whole(ship.coefficients), np.zeros(len(model.noises) + model.states)]
         )
-        self._system: System = ship.constants, model.terms, values, NONE_FREE, model.driven
+        constants = np.array(ship.constants)
+        self._system: System = constants, model.terms, values, NONE_FREE, model.driven
         self._rows = rows_of(model.terms)
 
     @property

@@ -16,7 +16,8 @@ from trainer.boat.world.current import CurrentAround
 from trainer.boat.world.hulls import Pose
 from trainer.boat.world.lights import Light, lights_of
 from trainer.boat.world.ship_force import Pull
-from trainer.boat.world.steered import Course, Steered
+from trainer.boat.world.steered import Helmed, Steered, SteeredNomoto
+from trainer.boat.world.steered_ship import SteeredShip
 from trainer.boat.world.tracks import (
     Piece,
     Situation,
@@ -106,9 +107,14 @@ class Fleet:
         if not begins <= time < ends:
             begins, ends, pieces = self._latest = self._pieces(time)
         there = situation(pieces, time)
+        if self._steered:
+            there = there._replace(set_north=there.set_north.copy(), set_east=there.set_east.copy())
         for i, steered in self._steered:
-            for column, value in zip(there, steered.at(time)[:5], strict=False):
+            now = steered.at(time)
+            for column, value in zip(there, now[:5], strict=False):
                 column[i] = value
+            there.set_north[i] = -now.sway * math.sin(now.course)
+            there.set_east[i] = now.sway * math.cos(now.course)
         return self._carried(there, time) if self._drift.any() else there
 
     def _carried(self, there: Situation, time: float) -> Situation:
@@ -118,8 +124,8 @@ class Fleet:
         return there._replace(
             north=there.north + north * drift,
             east=there.east + east * drift,
-            set_north=set_north * drift,
-            set_east=set_east * drift,
+            set_north=there.set_north + set_north * drift,
+            set_east=there.set_east + set_east * drift,
         )
 
     def _pieces(self, time: float) -> tuple[float, float, Numbers]:
@@ -198,6 +204,8 @@ class Contacts:
             return Refused(f"a {ship.kind} makes {ship.type.fastest_kn:g} kn")
         change = _steered if ship.steered else CHANGES[doing]
         time = tick * self.step
+        if doing == "speed" and (why := _unable(ship, order.value, time)):
+            return Refused(f"{ship.name}: {why}")
         if doing == "move" and ship.drifts:  # the place is over the ground
             gone = self.water(time)[0]
             there = tuple(at - by for at, by in zip(order.numbers, gone, strict=True))
@@ -247,6 +255,11 @@ def contacts_of(boat: Any, tables: WorldTables) -> Contacts:
     return Contacts(boat, tables.get("contact", ()), tables.get("contacts", Encounters()))
 
 
+def _unable(ship: Ship, speed: float, time: float) -> str:
+    """Return why a ship cannot go at a speed [m/s] from a time [s] on, "" if it can."""
+    return ship.steered.ship.unfit(ship.steered.at(time), speed) if ship.steered else ""
+
+
 def _seen(ship: Ship, row: Sequence[float]) -> Seen:
     """Return a ship as it is looked at, by its numbers in the order of a situation."""
     kind = ship.type
@@ -287,18 +300,27 @@ def ships_of(ships: Sequence[Contact], step: float) -> dict[str, Ship]:
 def _ship_of(contact: Contact, step: float) -> Ship:
     """Return a ship of the exercise; ConfigError if its way cannot be gone."""
     row = contact.row
-    steered = steered_of(contact, step) if contact.nomoto else None
+    steered = steered_of(contact, step)
     drifts = bool(row.drifts)
     return Ship(row.name, row.type, contact.status, row.mmsi, way_of(contact), drifts, steered)
 
 
-def steered_of(contact: Contact, step: float) -> Steered:
-    """Return a ship that answers its rudder."""
-    file, row = contact.nomoto, contact.row
-    assert file is not None  # noqa: S101  the caller has looked
-    late, (north, east), (speed,) = row.starts_s or 0.0, row.points[0], contact.speeds
-    start = Course(north, east, contact.course, 0.0 if late else speed, 0.0, 0.0, 0.0)
-    return Steered(file, step, late, start, contact.course, speed)
+def steered_of(contact: Contact, step: float) -> Steered | None:
+    """Return a ship that answers its rudder; None for one that goes along a way. ConfigError."""
+    ship = _helmed(contact)
+    if ship is None:
+        return None
+    row, (speed,) = contact.row, contact.speeds
+    late, (north, east) = row.starts_s or 0.0, row.points[0]
+    start = ship.begin(north, east, contact.course, 0.0 if late else speed)
+    return Steered(ship, step, late, start, contact.course, speed)
+
+
+def _helmed(contact: Contact) -> Helmed | None:
+    """Return the ship of a contact's file; None without one. ConfigError if it cannot sail."""
+    if contact.nomoto:
+        return SteeredNomoto(contact.nomoto)
+    return SteeredShip(contact.ship) if contact.ship else None
 
 
 def way_of(contact: Contact) -> Way:

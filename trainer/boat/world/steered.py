@@ -1,18 +1,22 @@
-"""Ships that answer their rudder: identified Nomoto ships that a simple law steers.
+"""Ships that answer their rudder: identified ships that a simple law steers to a course.
+
+A ship is computed tick by tick from its last order on, whoever asks and in whatever order: the
+numbers are the same.
+
+A Nomoto ship goes by
 
     T1 T2 r'' + (T1 + T2) r' + K H(r) = K (delta + T3 delta')        delta to port, K < 0
     delta ordered = (psi - psi ordered) + 2 (T1 + T2) r, within the file's limits of angle and rate
 
 K and 1/T grow with the speed, and so does H's bend, so that a rudder gives the same circle at every
-speed. The law is this project's. Sway is left out. A ship is computed tick by tick from its last
-order on, by Runge and Kutta, whoever asks and in whatever order: the numbers are the same.
+speed. The law is this project's. Sway is left out. It is integrated by Runge and Kutta.
 """
 
 import math
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, Protocol
 
 from trainer.config.contacts import ACCELERATION
 from trainer.config.nomoto import NomotoFile
@@ -24,25 +28,41 @@ FINE: Final = 4.0  # [-] substeps in the shortest time constant
 
 
 class Course(NamedTuple):
-    """Place, course, speed, rate of turn with its own rate, and rudder, all SI."""
+    """Place, course, speed, rate of turn with its own rate, and rudder, all SI.
+
+    The other numbers are those of a ship that is not linear.
+    """
 
     north: float
     east: float
-    course: float
-    speed: float
+    course: float  # where it heads
+    speed: float  # ahead
     turning: float
     change: float
     rudder: float
+    sway: float = 0.0
+    turns: float = 0.0  # [1/s] of the propeller
+    rolling: tuple[float, ...] = ()  # roll rate and roll
 
 
-Rates = tuple[float, float, float, float, float]  # of all but speed and rudder
+class Helmed(Protocol):
+    """A ship that can be steered."""
+
+    def begin(self, north: float, east: float, course: float, speed: float) -> Course:
+        """Return the ship straight ahead. ConfigError if it cannot go so."""
+
+    def after(self, now: Course, ordered: float, speed: float, step: float) -> Course:
+        """Return how it goes ``step`` [s] later, with a course [rad] and speed [m/s] ordered."""
+
+    def unfit(self, now: Course, speed: float) -> str:
+        """Return why it cannot go at a speed [m/s], "" if it can."""
 
 
 @dataclass
 class Steered:
     """A ship from an order on; ``step`` [s] is that of the boat's ticks."""
 
-    ship: NomotoFile
+    ship: Helmed
     step: float
     begins: float  # [s]
     start: Course
@@ -58,7 +78,7 @@ class Steered:
             if not self._known:
                 self._known.append(self.start)
             while len(self._known) <= ticks:
-                self._known.append(self._advance(self._known[-1]))
+                self._known.append(self._after(self._known[-1]))
             return self._known[ticks]
 
     def then(self, time: float, course: float | None, speed: float | None) -> "Steered":
@@ -75,17 +95,41 @@ class Steered:
         then = self.then(time, None, None)
         return replace(then, start=then.start._replace(north=north, east=east), _known=[])
 
-    def _advance(self, now: Course) -> Course:
+    def _after(self, now: Course) -> Course:
         """Return how it goes a tick later."""
+        return self.ship.after(now, self.ordered, self.ordered_speed, self.step)
+
+
+Rates = tuple[float, float, float, float, float]  # of all but speed and rudder
+
+
+class SteeredNomoto:
+    """A Nomoto ship under its law."""
+
+    def __init__(self, ship: NomotoFile) -> None:
+        """Take the numbers of its file."""
+        self.ship = ship
+
+    def begin(self, north: float, east: float, course: float, speed: float) -> Course:
+        """Return the ship straight ahead."""
+        return Course(north, east, course, speed, 0.0, 0.0, 0.0)
+
+    def after(self, now: Course, ordered: float, speed: float, step: float) -> Course:
+        """Return how it goes ``step`` [s] later, with a course [rad] and speed [m/s] ordered."""
         shortest = min(filter(None, (self.ship.T1_s, self.ship.T2_s)))
-        count = math.ceil(self.step / min(SUBSTEP, shortest / FINE))
+        count = math.ceil(step / min(SUBSTEP, shortest / FINE))
         for _ in range(count):
-            now = self._substep(now, self.step / count)
+            now = self._substep(now, ordered, speed, step / count)
         return now
 
-    def _substep(self, now: Course, h: float) -> Course:
+    def unfit(self, now: Course, speed: float) -> str:
+        """Return "": a Nomoto ship goes at every speed."""
+        del now, speed
+        return ""
+
+    def _substep(self, now: Course, ordered: float, speed: float, h: float) -> Course:
         """Return how it goes ``h`` [s] later, by Runge and Kutta; speed and rudder are held."""
-        rate = self._rudder_rate(now, h)
+        rate = self._rudder_rate(now, ordered, h)
         forces = self._forces(now.speed, now.rudder, rate)
         here: Rates = (now.north, now.east, now.course, now.turning, now.change)
         first = forces(here)
@@ -96,16 +140,17 @@ class Steered:
             x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
             for x, a, b, c, d in zip(here, first, second, third, last, strict=True)
         )
-        gained = min(max(self.ordered_speed - now.speed, -ACCELERATION * h), ACCELERATION * h)
-        speed = now.speed + gained
-        return Course(north, east, course, speed, turning, change, now.rudder + rate * h)
+        gained = min(max(speed - now.speed, -ACCELERATION * h), ACCELERATION * h)
+        return Course(
+            north, east, course, now.speed + gained, turning, change, now.rudder + rate * h
+        )
 
-    def _rudder_rate(self, now: Course, h: float) -> float:
+    def _rudder_rate(self, now: Course, ordered: float, h: float) -> float:
         """Return how fast [rad/s] the rudder goes to where the law wants it."""
         ship = self.ship
         share = self._share(now.speed)
         lead = DAMPING * (ship.T1_s + ship.T2_s) / share if share else 0.0
-        off = math.remainder(now.course - self.ordered, math.tau)
+        off = math.remainder(now.course - ordered, math.tau)
         limit, fastest = math.radians(ship.rudder_limit_deg), math.radians(ship.rudder_rate_deg_s)
         wanted = min(max(off + lead * now.turning, -limit), limit)
         return min(max((wanted - now.rudder) / h, -fastest), fastest)

@@ -159,7 +159,7 @@ def fit_trials(
     model = model_for(ship, options["model"], wind=any(trial.windy for trial in trials))
     prior, source = prior_of(model, ship)
     strength = float(options["prior_strength"])
-    problem, begin = pose(model, ship.constants, trials, prior, strength)
+    problem, begin = pose(model, np.array(ship.constants), trials, prior, strength)
     doubts = tuple(_strangers(problem, begin))
     fitted = fit(problem, begin, heard)
     if not math.isfinite(fitted.found.cost):
@@ -484,7 +484,7 @@ def _result(ship: ShipFile, fitted: Fit, report: Report) -> ShipFile:
         sensors=None,
         result=result,
         coefficients=whole,
-        covariance=fitted.covariance[:p, :p],
+        covariance=tuple(map(tuple, fitted.covariance[:p, :p].tolist())),
         uncertain=problem.model.free,
         ranges=report.ranges,
     )

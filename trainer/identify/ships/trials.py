@@ -291,7 +291,7 @@ def _expected(
     trials = [flown_trial(ship, flight, every, _outputs(options)) for flight in flights]
     model = model_for(ship, ship.result.model, wind=False)
     prior, _ = prior_of(model, ship)
-    problem = problem_of(model, ship.constants, trials, prior, options["prior_strength"])
+    problem = problem_of(model, np.array(ship.constants), trials, prior, options["prior_strength"])
     noise, axes = _noise(ship, ship.result.speed_kn * KNOT, options), len(model.driven)
     noise[axes:] = np.maximum(noise[axes:], problem.floors)
     states = STATES[: model.states]

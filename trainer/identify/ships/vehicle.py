@@ -99,7 +99,9 @@ def draws(ship: ShipFile, count: int) -> Iterator[ShipFile]:
     """Yield ships drawn from what the records leave open."""
     if ship.covariance is None:
         return
-    known = Joint({name: ship.coefficients[name] for name in ship.uncertain}, ship.covariance)
+    known = Joint(
+        {name: ship.coefficients[name] for name in ship.uncertain}, np.array(ship.covariance)
+    )
     for number in range(1, count + 1):
         yield replace(ship, coefficients={**ship.coefficients, **known.draw(number)})
 
