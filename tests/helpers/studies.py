@@ -3,7 +3,7 @@
 import json
 from typing import Any
 
-from click.testing import CliRunner
+from click.testing import CliRunner, Result
 
 from trainer.cli.identify import identify
 
@@ -17,13 +17,18 @@ def columns(**named: str) -> str:
     )
 
 
-def identified(*arguments: Any) -> Any:
-    """Return the report of the command."""
-    result = CliRunner().invoke(identify, [*map(str, arguments), "--json"])
+def answered(*arguments: object, code: int = 0) -> Result:
+    """Return what `trainer identify` with these words did; it must end with that exit code."""
+    result = CliRunner().invoke(identify, [str(one) for one in arguments])
     if result.exception and not isinstance(result.exception, SystemExit):
         raise result.exception
-    assert result.exit_code == 0, result.output[:500]
-    return json.loads(result.stdout)
+    assert result.exit_code == code, result.output[:500]
+    return result
+
+
+def identified(*arguments: object) -> Any:
+    """Return the report of the command."""
+    return json.loads(answered(*arguments, "--json").stdout)
 
 
 def numbers(report: Any) -> Any:

@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from helpers import example_record
 from helpers.places import ROOT
+from helpers.studies import answered
 
-from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.proposal import write_proposal
@@ -19,15 +18,6 @@ from trainer.identify.study import load_study, observe
 from trainer.units import KNOT
 
 EXAMPLE = ROOT / "configs" / "records" / "example.csv"
-
-
-def call(*arguments: object, code: int = 0) -> Result:
-    """Return what `trainer identify` with these words did; it must end with that exit code."""
-    result = CliRunner().invoke(identify, [str(one) for one in arguments])
-    if result.exception and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    assert result.exit_code == code, result.output
-    return result
 
 
 def motion() -> tuple[Any, Any, Any, Any]:
@@ -138,14 +128,16 @@ def test_times_are_told_by_their_unit_where_no_name_says_so(tmp_path: Path) -> N
 
 def test_a_record_without_times_says_that_its_interval_is_guessed(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", {"rudder": HELM, "heading": HEADING})
-    assert "300 rows every 1 s (guessed: there is no column of times)" in call("new", path).output
+    assert (
+        "300 rows every 1 s (guessed: there is no column of times)" in answered("new", path).output
+    )
 
 
 def test_a_refused_fit_names_the_record_once_in_each_line(tmp_path: Path) -> None:
     columns = {"t [s]": T[::10], "rudder [deg]": HELM[::10], "heading [deg]": HEADING[::10]}
-    call("new", write(tmp_path / "a.csv", columns), "--length", 100, "--at", 10)
+    answered("new", write(tmp_path / "a.csv", columns), "--length", 100, "--at", 10)
     with pytest.raises(ConfigError, match="30 samples for") as wrong:
-        call(tmp_path / "a.toml", code=2)
+        answered(tmp_path / "a.toml", code=2)
     assert [line.count("a.csv") for line in wrong.value.problems] == [1, 1]
 
 
@@ -158,15 +150,15 @@ def test_a_record_without_an_answer_to_the_rudder_has_no_study(tmp_path: Path) -
 
 def test_a_study_is_written_beside_its_record_and_never_over_another(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", {"t": T, "rudder": HELM, "heading": HEADING})
-    printed = call("new", path).stdout
+    printed = answered("new", path).stdout
     assert f"{tmp_path / 'a.toml'}: 300 rows every 2 s: t in t, rudder in rudder" in printed
     assert "fill in the length of [ship]; fit it by: trainer identify" in printed
     with pytest.raises(ConfigError, match="lacks length_m"):
-        call(tmp_path / "a.toml")
+        answered(tmp_path / "a.toml")
     with pytest.raises(ConfigError, match="is there already"):
-        call("new", path)
+        answered("new", path)
     (tmp_path / "b").mkdir()
-    call("new", path, "-o", tmp_path / "b" / "study.toml", "--length", 100, "--at", 12)
+    answered("new", path, "-o", tmp_path / "b" / "study.toml", "--length", 100, "--at", 12)
     assert load_study(tmp_path / "b" / "study.toml").data.resolve() == path
 
 
@@ -175,30 +167,30 @@ def test_a_study_is_fitted_as_it_was_written(tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
     noisy = {"rot [deg/s]": RATE + 0.02 * rng.standard_normal(300)}
     path = write(tmp_path / "a.csv", {"t": T, "helm": -HELM} | noisy)
-    call("new", path, "--length", 100, "--at", 12)
-    report = json.loads(call(tmp_path / "a.toml", "--json").stdout)
+    answered("new", path, "--length", 100, "--at", 12)
+    report = json.loads(answered(tmp_path / "a.toml", "--json").stdout)
     found = {one["name"]: one["value"] for one in report["ship"]}
     assert found["K"] == pytest.approx(-0.05, rel=0.05)
 
 
 def test_the_example_ships_and_is_fitted_where_it_is_copied_to(tmp_path: Path) -> None:
     pytest.importorskip("scipy")
-    report = json.loads(call("--example", "--json").stdout)
+    report = json.loads(answered("--example", "--json").stdout)
     assert report["converged"]
     ship = {one["name"]: one for one in report["ship"]}
     # the true ones of BB2 at no helm; at this helm it turns a little less (docs)
     assert ship["K"]["value"] == pytest.approx(-0.284, rel=0.12)
     assert ship["T1"]["value"] == pytest.approx(39.9, rel=0.15)
     folder = tmp_path / "lesson"
-    copied = call("--example", folder, "--model", "nomoto1", "--json")
+    copied = answered("--example", folder, "--model", "nomoto1", "--json")
     assert f"{folder / 'example.csv'} written" in copied.stderr
     assert json.loads(copied.stdout)["model"] == "nomoto1"
     with pytest.raises(ConfigError, match="is there already"):
-        call("--example", folder)
+        answered("--example", folder)
 
 
 def test_the_example_takes_no_file_beside_it(tmp_path: Path) -> None:
-    result = call("--example", "--", tmp_path / "a.csv", code=2)
+    result = answered("--example", "--", tmp_path / "a.csv", code=2)
     assert "give no FILE" in result.stderr
 
 
@@ -209,7 +201,7 @@ def test_the_example_is_what_the_trainer_flies(tmp_path: Path) -> None:
     assert flown[:2] == shipped[:2]
     numbers = [np.array([row.split(",") for row in one[2:]], float) for one in (flown, shipped)]
     assert numbers[0] == pytest.approx(numbers[1], abs=0.02)
-    call("new", tmp_path / "trial.trainer", "-o", tmp_path / "own.toml", "--length", 70.2)
+    answered("new", tmp_path / "trial.trainer", "-o", tmp_path / "own.toml", "--length", 70.2)
     study = load_study(tmp_path / "own.toml")
     assert study.sensors == USUAL
     assert len(observe(study).record.t) > 1000

@@ -5,10 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from helpers.ships import sailed_zigzag
+from helpers.studies import answered
 
-from trainer.cli.identify import identify
 from trainer.config.ship import load_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.ships.records import load_trial
@@ -27,14 +26,6 @@ def sailed() -> Numbers:
     """Return t, u, v, r, heading, rudder to starboard and revolutions of a 20/20, by rows."""
     trial, _ = sailed_zigzag(20.0, seed=1)
     return np.column_stack([trial.t, trial.table[:, :6]])
-
-
-def call(*arguments: object, code: int = 0) -> Result:
-    result = CliRunner().invoke(identify, [str(one) for one in arguments])
-    if result.exception and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    assert result.exit_code == code, result.output
-    return result
 
 
 def write(path: Path, heads: str, columns: list[Numbers], form: str = "%.17g") -> Path:
@@ -64,7 +55,7 @@ def test_a_free_running_model_with_wind_is_read_by_the_file_begun(
     record = write(tmp_path / "model test.csv", heads, columns)
     ship = tmp_path / "ship.toml"
 
-    said = call("new", record, "--ship", ship).output
+    said = answered("new", record, "--ship", ship).output
     fill_in(ship)
     trial = load_trial(record, load_ship(ship))
 
@@ -91,7 +82,7 @@ def test_a_record_over_ground_in_degrees_with_rounded_times_is_read_by_the_file_
     record = write(tmp_path / "basin.dat", "t,psi,x0_dot,y0_dot,r,delta,rpm", columns, "%.2E")
     ship = tmp_path / "ship.toml"
 
-    said = call("new", record, "--ship", ship, "--length", 320).output
+    said = answered("new", record, "--ship", ship, "--length", 320).output
     text = ship.read_text(encoding="utf-8")
     ship.write_text(text.replace("length_m = 320  #", "# length_m = 320.0  # fill in:"))
     fill_in(ship)
@@ -124,7 +115,7 @@ def test_a_model_s_propeller_turns_faster_than_a_ship_s(
         f"t,rudder,psi,u,v,{name}",
         [t, wave, -wave, speed + 0.0 * t, 0.1 * wave, turns + 0.0 * t],
     )
-    call("new", record, "--ship", tmp_path / "ship.toml")
+    answered("new", record, "--ship", tmp_path / "ship.toml")
     text = (tmp_path / "ship.toml").read_text(encoding="utf-8")
     assert f'column = "{name}"\nunit = "{unit}"  # guessed' in text
 
@@ -135,7 +126,7 @@ def test_what_a_fit_needs_and_no_column_has_is_left_to_fill_in(
     t, u, _, r, _, rudder, _ = sailed.T
     record = write(tmp_path / "a.csv", "t,u,r,rudder", [t, u, r, -rudder])
 
-    said = call("new", record, "--ship", tmp_path / "ship.toml").output
+    said = answered("new", record, "--ship", tmp_path / "ship.toml").output
     text = (tmp_path / "ship.toml").read_text(encoding="utf-8")
 
     assert "no column for sway found" in said
@@ -147,7 +138,7 @@ def test_columns_of_the_trainer_need_no_names(sailed: Numbers, tmp_path: Path) -
     t, u, v, r, psi, rudder, n = sailed.T
     record = write(tmp_path / "a.csv", "t,u,v,r,psi,delta_r,n", [t, u, v, r, psi, -rudder, n])
 
-    call("new", record, "--ship", tmp_path / "ship.toml")
+    answered("new", record, "--ship", tmp_path / "ship.toml")
 
     assert "[[columns]]" not in (tmp_path / "ship.toml").read_text(encoding="utf-8")
 
@@ -168,13 +159,13 @@ def test_what_is_no_record_is_refused_and_nothing_written(tmp_path: Path, kind: 
     record = tmp_path / "a.csv"
     record.write_text(text, encoding="utf-8")
     with pytest.raises(Exception, match=said):
-        call("new", record, "--ship", tmp_path / "ship.toml")
+        answered("new", record, "--ship", tmp_path / "ship.toml")
     assert not (tmp_path / "ship.toml").exists()
 
 
 def test_a_study_and_a_ship_are_not_begun_at_once(sailed: Numbers, tmp_path: Path) -> None:
     record = write(tmp_path / "a.csv", "t,u", [sailed[:, 0], sailed[:, 1]])
-    said = call("new", record, "--ship", tmp_path / "s.toml", "-o", tmp_path / "a.toml", code=2)
+    said = answered("new", record, "--ship", tmp_path / "s.toml", "-o", tmp_path / "a.toml", code=2)
     assert "--ship takes the place of --output" in said.output
 
 
@@ -182,5 +173,5 @@ def test_the_wind_over_ground_is_not_taken(sailed: Numbers, tmp_path: Path) -> N
     t, u, v, r, psi, rudder, n = sailed.T
     heads = "t,u,v,r,psi,rudder,n,true_wind_speed,wind_dir_true"
     record = write(tmp_path / "a.csv", heads, [t, u, v, r, psi, -rudder, n, u, psi])
-    call("new", record, "--ship", tmp_path / "ship.toml")
+    answered("new", record, "--ship", tmp_path / "ship.toml")
     assert 'channel = "wind' not in (tmp_path / "ship.toml").read_text(encoding="utf-8")
