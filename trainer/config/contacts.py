@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.config.files import ConfigError, Place, beside, collecting, path_named
-from trainer.config.nomoto import NomotoFile, load_nomoto
+from trainer.config.nomoto import NomotoFile, is_nomoto, load_nomoto
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -27,7 +27,7 @@ from trainer.config.schema import (
     usual,
     within,
 )
-from trainer.config.ship import ShipFile, load_ship
+from trainer.config.ship import ShipFile, is_ship, load_ship
 from trainer.io.orders.schedule import LATEST
 from trainer.units import KNOT
 
@@ -298,12 +298,17 @@ def encounters_schema() -> dict[str, Any]:
 
 def _ship(row: ContactRow, path: Path) -> ShipFile:
     """Return the ship of a contact that is not linear; ConfigError if its file is of none."""
-    return load_ship(path_named(beside(path, str(row.ship)), "ships"))
+    found = path_named(beside(path, str(row.ship)), "ships")
+    if is_nomoto(found):
+        raise ConfigError(f"{found.name}: is a Nomoto ship: {row.name} has it as nomoto")
+    return load_ship(found)
 
 
 def _nomoto(row: ContactRow, path: Path) -> NomotoFile:
     """Return the identified ship of a contact; ConfigError if its file is of none to be steered."""
     found = Path(beside(path, str(row.nomoto)))
+    if is_ship(found):
+        raise ConfigError(f"{found.name}: is a ship that is not linear: {row.name} has it as ship")
     ship = load_nomoto(found)
     bad = [
         Place(found.name, "").wrong(key, getattr(ship, key), f"{row.name} cannot be steered: {why}")

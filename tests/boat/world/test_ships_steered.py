@@ -103,9 +103,10 @@ ROW = {"name": "one", "type": "cargo", "points": [[100, 200]], "course_deg": 90,
 def exercise(folder: Path, **changes: object) -> Contacts:
     """Return the ships of an exercise with one whose file is beside it."""
     (folder / "found.toml").write_text(read_text(shipped("ships", "mariner")), encoding="utf-8")
-    rows = [{**ROW, "ship": "./found.toml", **changes}]
-    given = read_contacts(rows, Place("x.toml", "contact"), folder / "x.toml")
-    return contacts_of(Boat, {"contact": given})
+    given = {**ROW, "ship": "./found.toml", **changes}
+    rows = [{key: value for key, value in given.items() if value is not None}]
+    read = read_contacts(rows, Place("x.toml", "contact"), folder / "x.toml")
+    return contacts_of(Boat, {"contact": read})
 
 
 def order(contacts: Contacts, text: str, tick: int) -> Reply:
@@ -157,6 +158,11 @@ BAD: dict[str, tuple[dict[str, object], str]] = {
     "a way of points": (
         {"points": [[0, 0], [5000, 0]]},
         r"ship = .*: goes with one point",
+    ),
+    "a Nomoto ship": ({"ship": "./nomoto.toml"}, "nomoto.toml: is a Nomoto ship: one has it as"),
+    "not one": (
+        {"ship": None, "nomoto": "./found.toml"},
+        "found.toml: is a ship that is not linear",
     ),
     "no such file": ({"ship": "./lost.toml"}, "lost.toml"),
     "no such name": ({"ship": "marinr"}, "mariner"),
