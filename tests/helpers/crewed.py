@@ -76,6 +76,7 @@ class Crewed:
         schedule: Sequence[Scheduled] = (),
         armed: Sequence[Armed] = (),
         world: WorldTables | None = None,
+        hand: frozenset[str] = frozenset(),
     ) -> None:
         self.boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
         self.boat.start(10.0 * KNOT, 60.0, 0.0)
@@ -94,6 +95,7 @@ class Crewed:
             armed=armed,
             monitor=LimitMonitor.over(self.boat, Limits()),
             wake=self.wake,
+            hand=hand,
         )
         self.conduct = self.session.conduct
         losses = [

@@ -350,7 +350,7 @@ class Ending(Reading):
 
     def _rows(self) -> list[Line]:
         rows = [labelled(key.upper(), self._says(key)) for key in AFTER]
-        marks = self._model.marks_told or ["the marks are being made, if it has any"]
+        marks = self._model.marks_told or ["the marks are being made"]
         rows += [line(), line((f" {self._model.outcome}", "title")), line()]
         return rows + [line((f"   {told}", "plain")) for told in marks]
 

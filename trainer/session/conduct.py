@@ -29,6 +29,7 @@ from trainer.session.exercise import (
     Judgement,
     Work,
 )
+from trainer.session.manning import unmanned_axes
 from trainer.session.stations.past import PastReader
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
 from trainer.session.stations.station import Asked, Fact, News, Station
@@ -54,6 +55,7 @@ class Conduct:
     ready: list[Station] = field(default_factory=list)
     begun: bool = False  # time has run
     compiled_from: int = 0  # the tick, where the run began interpreted
+    hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
     command: Command = field(init=False)
     work: Work = field(init=False)
     past: PastReader = field(init=False)
@@ -166,6 +168,8 @@ class Conduct:
         told = [Fact("exercise-over", ending.how)]
         if ending.marks and (ending.released or role is INSTRUCTOR):
             told.append(Fact("marks", ending.marks.fields))
+        elif self._unmarked:
+            told.append(Fact("marks", f"{ending.how},"))
         if ending.debrief and role is INSTRUCTOR:
             told.append(Fact("debrief", ending.debrief))
         return told
@@ -208,8 +212,18 @@ class Conduct:
         if ending.why:
             self.log.tell("exercise", f"lost: {ending.why}")
         self.show()
-        if self.debriefing and self.kept and self.scored:
+        if self._unmarked:
+            fact = Fact("marks", f"{ending.how},")
+            self.log.tell("time", f"no marks: {self._unmarked}", fact=fact)
+        elif self.debriefing and self.kept:
             self._begin_judging(self.debriefing.judge, self.kept)
+
+    @property
+    def _unmarked(self) -> str:
+        """Return why this exercise ends without marks, "" where it has some."""
+        if self.debriefing is None or self.kept is None:
+            return "this session is not recorded"
+        return "" if self.scored else "nothing in this exercise has marks"
 
     def _begin_judging(self, judge: Callable[[Path, int], Judgement], kept: Path) -> None:
         recording = self.control.history.recording
@@ -253,8 +267,7 @@ class Conduct:
         if not ending.over:
             why = "the exercise is not over: end exercise"
         elif ending.marks is None:
-            why = "there are no marks yet" if self.scored else "nothing in this exercise has marks"
-            why = why if self.kept else "not recorded: there are no marks"
+            why = self._unmarked or "there are no marks yet"
         else:
             why = ""
             self._tell_all(ending.marks)
@@ -388,12 +401,19 @@ class Conduct:
             return True
         if station not in self.ready:
             self.ready.append(station)
-        late = [each.who for each in self._crew() if each not in self.ready]
-        awaited = f"; not ready: {', '.join(late)}" if late else "; everybody is"
-        told = Fact("ready", station.who)
-        self.log.tell("station", f"{station.who} is ready{awaited}", station, told)
+        awaited = self._awaited()
+        fact = Fact("ready", station.who)
+        self.log.tell("station", f"{station.who} is ready{awaited}", station, fact)
         station.answer(asked, f"ready{awaited}")
         return True
+
+    def _awaited(self) -> str:
+        """Return who is not ready yet, and what is worked by hand and has nobody at it."""
+        late = [station.who for station in self._crew() if station not in self.ready]
+        if late:
+            return f"; not ready: {', '.join(late)}"
+        unmanned = unmanned_axes(self.hand, self.log.attended)
+        return f"; nobody mans the {' and the '.join(unmanned)}" if unmanned else "; everybody is"
 
     def _crew(self) -> list[Station]:
         """Return the stations that may be ready."""

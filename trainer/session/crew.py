@@ -7,7 +7,7 @@ time. Nothing here moves the boat.
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
@@ -21,23 +21,14 @@ from trainer.config.exercise import AXES
 from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_crew
 from trainer.io.orders.quantities import FEET, METRES
 from trainer.io.recording.recording import Journalled
-from trainer.session.stations.roles import CREW, INSTRUCTOR
+from trainer.session.manning import BY_HAND, CONCERNED, WORDS, axis_of, in_hand
+from trainer.session.stations.roles import INSTRUCTOR
 from trainer.session.stations.station import Fact
 
 LATE: Final = 10.0  # [s] without a repeat, after which the order is shown again
 SCHEDULE: Final = "schedule"  # who gives the orders of the exercise
 GUARD: Final = "guard"  # who levels a boat that would be too deep
 AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
-WORDS: Final = "words"  # the axis of an order in words
-STEERS: Final = ("helm", "pilot")
-DIVES: Final = ("planes", "pilot", "diving")
-CONCERNED: Final = {  # who repeats an order
-    "course": STEERS,
-    "speed": STEERS,
-    "depth": DIVES,
-    "pitch": DIVES,
-    WORDS: CREW,
-}
 SURE: Final = {"course": math.radians(5.0), "depth": 1.0, "pitch": math.radians(1.0)}  # to go
 PLANES: Final = ("stern", "bow", "lever")
 WORKS: Final = {"course": ("rudder",), "depth": PLANES, "pitch": PLANES}
@@ -329,7 +320,7 @@ class CrewTalk:
     @property
     def _guarded(self) -> bool:
         """Return whether the guard may take the planes: not where they may be automatic."""
-        return "planes" in self.in_force - self.freed
+        return "planes" in self.worked
 
     def _late_at(self, spoken: Spoken) -> float:
         """Return the tick at which a missing repeat is told."""
@@ -355,6 +346,11 @@ class CrewTalk:
         """Return the axes that are worked by hand by now."""
         return self.hand if self.boat.time >= self.hand_from else frozenset()
 
+    @property
+    def worked(self) -> frozenset[str]:
+        """Return the axes that nobody may give to the autopilot."""
+        return self.in_force - self.freed
+
     def conditions(self, role: str) -> list[tuple[str, str]]:
         """Return what programs are told of who steers what, as keys and values."""
         later = self.hand_from > 0.0 and role == INSTRUCTOR.name
@@ -374,7 +370,7 @@ class CrewTalk:
         planes = order.name in (*PLANES, "planes")
         if planes and self._guarded and self.guard.holds(self.boat):
             return f"the boat levels by itself before {self.guard.deepest:g} m: try again soon"
-        taken = in_hand(order, self.in_force - self.freed, self.allowed)
+        taken = in_hand(order, self.worked, self.allowed)
         return f"{taken.why}, or the instructor says allow {taken.axis}" if taken else ""
 
     def _allow(self, axis: str) -> Reply:
@@ -394,40 +390,6 @@ class CrewTalk:
             Telling("exercise", free, Fact("exercise", "free=yes")),
             Telling("crew", f"{axis} may be automatic", Fact("exercise", f"allowed={told}")),
         ]
-
-
-class Taken(NamedTuple):
-    """An axis that is worked by hand, and why it is not the autopilot's."""
-
-    axis: str
-    why: str
-
-
-def in_hand(order: Order, hand: Collection[str], allowed: Collection[str]) -> Taken | None:
-    """Return the axis of an automatic order that is worked by hand, None without."""
-    names = {order.name.replace("periscope", "depth"), f"{order.name} {order.word}"}
-    taken = [axis for axis in automatic_axes(order) if axis in hand]
-    if names.intersection(allowed) or not taken:
-        return None
-    says, example = BY_HAND[taken[0]]
-    return Taken(taken[0], f"{says} in hand in this exercise: {example}")
-
-
-# The axes that an exercise may have worked by hand: in words, and an order by hand.
-BY_HAND: Final = {
-    "rudder": ("the rudder is", "rudder left 5"),
-    "planes": ("the planes are", "stern planes dive 5"),
-    "speed": ("the engine is", "bell ahead standard"),
-    "ballast": ("the ballast is", "pump depth-control 1"),
-}
-
-
-def automatic_axes(order: Order) -> list[str]:
-    """Return the axes that an order gives to the autopilot."""
-    if order.word == "off":
-        return []
-    names = {order.name, f"{order.name} {order.word}"}
-    return [axis for axis, orders in AXES.items() if names & set(orders)]
 
 
 def reported(order: Order, role: str) -> list[Telling]:
@@ -458,11 +420,6 @@ def said_order(words: str) -> Order | None:
         if isinstance(meant, Order) and meant.name == "order":
             return meant
     return None
-
-
-def axis_of(order: Order) -> str:
-    """Return the axis of an order to the crew."""
-    return order.word.partition("_")[0].replace("periscope", "depth")
 
 
 def is_repeated(words: str, spoken: Spoken) -> bool:

@@ -171,11 +171,15 @@ class EventLog:
         for fact in facts:
             station.note(News(self.history.tick, self.history.boat.time, "exercise", "", fact))
 
-    def as_kept(self, answer: Reply) -> Reply:
-        """Return an answer with a word on it if what it answers is not recorded."""
-        if self.history.recording.trouble and not isinstance(answer, Refused):
-            return f"{answer} (not recorded)"
-        return answer
+    def attended_by_others(self, station: Station) -> frozenset[str]:
+        """Return the roles of all stations but one."""
+        return frozenset(other.role.name for other in self.stations if other is not station)
+
+    def as_kept(self, answer: Reply, remark: str = "") -> Reply:
+        """Return an answer, unless it refuses with a remark and whether it is not recorded."""
+        if isinstance(answer, Refused):
+            return answer
+        return f"{answer}{remark}{' (not recorded)' * bool(self.history.recording.trouble)}"
 
     def tell_trouble(self) -> None:
         """Tell once that the recording is out of reach, and once that it is back."""

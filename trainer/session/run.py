@@ -26,10 +26,10 @@ from trainer.io.recording.recording import Recording, RecordingError
 from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
 from trainer.session.account import account
-from trainer.session.crew import in_hand
 from trainer.session.exercise import Debriefing, Ending, Following, problem_with
 from trainer.session.header import header_of
 from trainer.session.history import History
+from trainer.session.manning import in_hand
 from trainer.session.options import RunOptions
 from trainer.session.page_server import PageServer, serving_pages
 from trainer.session.plan import OVERRULED, Plan, plan_run

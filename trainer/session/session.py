@@ -27,6 +27,7 @@ from trainer.session.control import Control
 from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
 from trainer.session.event_log import CREW, MOMENTS, TIME, EventLog
 from trainer.session.history import History
+from trainer.session.manning import unheard
 from trainer.session.stations.briefing import Briefing, hint, in_words, ranges
 from trainer.session.stations.display import panel
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
@@ -81,9 +82,9 @@ class Session:
     agenda: Agenda = field(init=False)
 
     def __post_init__(self) -> None:
-        self.event_log = EventLog(self.history)
+        self.event_log = log = EventLog(self.history)
         self.control = Control(self.boat, self.time, self.history, self.schedule)
-        self.conduct = Conduct(self.control, self.event_log, self._show, self.wake.set)
+        self.conduct = Conduct(self.control, log, self._show, self.wake.set, hand=self.hand)
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
         self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed, self.guard)
@@ -101,6 +102,7 @@ class Session:
             self._row()
         self.conduct.judge_hull()  # a recorded run may have ended in a collapse
         self.conduct.look()  # or at its exercise's end
+        self._obey_schedule()  # the crew's controls are in hand before time runs
         if not (frozen or self.control.failure or self.conduct.ending.over):
             self.time.pacer.run()
         self._show()
@@ -272,7 +274,9 @@ class Session:
         """Carry out an order, answer it, and tell the others."""
         order, station = self.crew.meant(asked.order), asked.station
         answer = self.give(order, station.who)
-        station.answer(asked, self.event_log.as_kept(answer))
+        manned = self.event_log.attended_by_others(station)
+        alone = unheard(order, self.crew.worked, self.crew.allowed, manned)
+        station.answer(asked, self.event_log.as_kept(answer, alone))
         if self.event_log.pass_on(order, answer, station) == "back":
             self.event_log.recall(self.crew.unrepeated)
         self._tell_plans()

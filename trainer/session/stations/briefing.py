@@ -16,7 +16,7 @@ from trainer.config.exercise import Limits
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, parse
-from trainer.session.crew import BY_HAND
+from trainer.session.manning import BY_HAND
 from trainer.session.stations.display import WIDTH
 from trainer.session.stations.panels import TONNE
 from trainer.session.stations.roles import INSTRUCTOR, Role, refusal

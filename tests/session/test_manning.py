@@ -1,0 +1,134 @@
+"""Who mans what, and what is said where nobody does."""
+
+from collections.abc import Callable
+
+import pytest
+from helpers.crewed import Crewed
+
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.schedule import parse_schedule
+from trainer.session.manning import unheard
+
+BOTH = frozenset({"rudder", "planes"})
+
+
+def crew_order(text: str) -> Order:
+    order = parse(text)
+    assert isinstance(order, Order)
+    return order
+
+
+@pytest.mark.parametrize(
+    ("order", "hand", "roles", "said"),
+    [
+        (
+            "order course 045",
+            (),
+            ("planes", "instructor"),
+            "; nobody mans the helm: `course 045` for the autopilot, `rudder left 5` by hand",
+        ),
+        (
+            "order course left 045",
+            (),
+            (),
+            (
+                "; nobody mans the helm: `course left to 045` for the autopilot, "
+                "`rudder left 5` by hand"
+            ),
+        ),
+        ("order course 045", ("rudder",), (), "; nobody mans the helm: `rudder left 5` by hand"),
+        (
+            "order depth 80",
+            (),
+            ("helm",),
+            (
+                "; nobody mans the planes: `depth 80 m` for the autopilot, "
+                "`stern planes dive 5` by hand"
+            ),
+        ),
+        (
+            "order pitch 5 deg up",
+            (),
+            (),
+            "; nobody mans the planes: `stern planes dive 5` by hand",
+        ),
+        (
+            "order speed 8",
+            (),
+            (),
+            "; nobody mans the helm: `speed 8 kn` for the autopilot, `bell ahead standard` by hand",
+        ),
+        ("tell hold her there", (), (), "; nobody of the crew is here"),
+        ("tell hold her there", (), ("ballast",), ""),
+        ("order course 045", (), ("pilot",), ""),
+        ("order depth 80", (), ("diving",), ""),
+        ("order clear depth", (), (), ""),
+        ("depth 80", (), (), ""),
+    ],
+)
+def test_an_order_to_a_crew_that_is_not_there_says_how_else_it_is_carried_out(
+    order: str, hand: tuple[str, ...], roles: tuple[str, ...], said: str
+) -> None:
+    assert unheard(crew_order(order), hand, (), roles) == said
+
+
+def test_who_is_alone_is_told_so_and_the_order_stands_as_it_was_given(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+
+    answer = ship.order("order course 045")
+
+    assert answer.startswith("ordered: course 045; nobody mans the helm: `course 045` for the auto")
+    assert ship.facts(ship.instructor, "crew-order") == ["course 045"]
+    helm = ship.comes("helm")
+    assert ship.order("order course 050") == "ordered: course 050"
+    assert ship.say(helm, "aye") == ("ok", "course 050 aye")
+
+
+def test_ready_names_what_is_in_hand_and_has_nobody_at_it(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None, hand=BOTH)
+    helm = ship.comes("helm")
+
+    assert ship.say(helm, "ready") == ("ok", "ready; nobody mans the planes")
+    assert ship.events(ship.instructor, "station")[-1] == (
+        "helm at line 2 is ready; nobody mans the planes"
+    )
+    planes = ship.comes("planes")
+    assert ship.say(planes, "ready") == ("ok", "ready; everybody is")
+
+
+def test_the_crew_s_controls_are_in_hand_before_time_runs(crewed: Callable[..., Crewed]) -> None:
+    schedule = parse_schedule("0 planes manual\n0.5 rudder manual", "orders.txt")
+    assert isinstance(schedule, list)
+    ship = crewed(seconds=None, schedule=schedule)
+    ship.session.control.ended = True
+
+    ship.session.run(frozen=True)
+
+    state = ship.boat.state
+    assert [state.stern_by_hand, state.bow_by_hand, state.rudder_by_hand] == [1.0, 1.0, 0.0]
+    assert ship.boat.ticks == 0
+
+
+@pytest.mark.parametrize(
+    ("kept", "scored", "why"),
+    [
+        (False, True, "no marks: this session is not recorded"),
+        (True, False, "no marks: nothing in this exercise has marks"),
+    ],
+)
+def test_an_end_without_marks_says_so_and_nobody_waits_for_them(
+    crewed: Callable[..., Crewed], *, kept: bool, scored: bool, why: str
+) -> None:
+    ship = crewed(seconds=5.0)
+    ship.conduct.scored = scored
+    ship.conduct.kept = ship.conduct.kept if kept else None
+    helm = ship.comes("helm")
+
+    ship.fly(20)
+
+    assert ship.facts(ship.instructor, "marks") == ship.facts(helm, "marks") == ["ended,"]
+    assert ship.events(helm, "time")[-1] == why
+    assert ship.refused("release marks") == why.removeprefix("no marks: ")
+    assert ship.facts(ship.comes("planes"), "marks") == ["ended,"]

@@ -1,0 +1,96 @@
+"""Who mans what: the axes that are worked by hand, and who of the crew carries an order out."""
+
+import re
+from collections.abc import Callable, Collection
+from typing import Final, NamedTuple
+
+from trainer.config.exercise import AXES
+from trainer.io.orders.grammar import Order, parse
+from trainer.session.stations.roles import CREW, ROLES
+
+WORDS: Final = "words"  # the axis of an order in words
+STEERS: Final = ("helm", "pilot")
+DIVES: Final = ("planes", "pilot", "diving")
+CONCERNED: Final = {  # who repeats an order
+    "course": STEERS,
+    "speed": STEERS,
+    "depth": DIVES,
+    "pitch": DIVES,
+    WORDS: CREW,
+}
+# The axes that an exercise may have worked by hand: in words, and an order by hand.
+BY_HAND: Final = {
+    "rudder": ("the rudder is", "rudder left 5"),
+    "planes": ("the planes are", "stern planes dive 5"),
+    "speed": ("the engine is", "bell ahead standard"),
+    "ballast": ("the ballast is", "pump depth-control 1"),
+}
+TURNED: Final = re.compile("^course (left|right)")  # `to` a course, where `by` is not meant
+STEERED_BY_HAND: Final = {"course": "rudder", "depth": "planes", "pitch": "planes"}  # else itself
+
+
+class Taken(NamedTuple):
+    """An axis that is worked by hand, and why it is not the autopilot's."""
+
+    axis: str
+    why: str
+
+
+def in_hand(order: Order, hand: Collection[str], allowed: Collection[str]) -> Taken | None:
+    """Return the axis of an automatic order that is worked by hand, None without."""
+    names = {order.name.replace("periscope", "depth"), f"{order.name} {order.word}"}
+    taken = [axis for axis in automatic_axes(order) if axis in hand]
+    if names.intersection(allowed) or not taken:
+        return None
+    says, example = BY_HAND[taken[0]]
+    return Taken(taken[0], f"{says} in hand in this exercise: {example}")
+
+
+def automatic_axes(order: Order) -> list[str]:
+    """Return the axes that an order gives to the autopilot."""
+    if order.word == "off":
+        return []
+    names = {order.name, f"{order.name} {order.word}"}
+    return [axis for axis, orders in AXES.items() if names & set(orders)]
+
+
+def axis_of(order: Order) -> str:
+    """Return the axis of an order to the crew."""
+    return order.word.partition("_")[0].replace("periscope", "depth")
+
+
+def unmanned_axes(hand: Collection[str], attends: Callable[[str], bool]) -> list[str]:
+    """Return the axes that are worked by hand and have nobody at them.
+
+    ``attends`` tells whether somebody with that role is there.
+    """
+    return [axis for axis in AXES if axis in hand and not any(map(attends, workers(axis)))]
+
+
+def workers(axis: str) -> list[str]:
+    """Return the roles that may work an axis by hand; the instructor may work every one."""
+    order = parse(BY_HAND[axis][1])
+    name = order.name if isinstance(order, Order) else ""
+    return [role for role in CREW if name in ROLES[role].commands]
+
+
+def unheard(
+    order: Order, hand: Collection[str], allowed: Collection[str], roles: Collection[str]
+) -> str:
+    """Return how an order to the crew is carried out if none of ``roles`` hears it, "" if one does.
+
+    ``hand`` has the axes that are worked by hand, ``allowed`` what is automatic nevertheless.
+    """
+    if order.name not in ("order", "tell") or order.word.startswith("clear"):
+        return ""
+    axis = WORDS if order.name == "tell" else axis_of(order)
+    if not set(CONCERNED[axis]).isdisjoint(roles):
+        return ""
+    if axis == WORDS:
+        return "; nobody of the crew is here"
+    own = parse(TURNED.sub(r"course \1 to", order.text.removeprefix("order ")))
+    automatic = ""
+    if isinstance(own, Order) and not in_hand(own, hand, allowed):
+        automatic = f"`{own.text}` for the autopilot, "
+    by_hand = f"`{BY_HAND[STEERED_BY_HAND.get(axis, axis)][1]}` by hand"
+    return f"; nobody mans the {CONCERNED[axis][0]}: {automatic}{by_hand}"
