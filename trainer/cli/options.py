@@ -135,6 +135,9 @@ time_options = together(
     ),
     click.option("--frozen", is_flag=True, help="Start with time frozen, until the order run."),
     click.option(
+        "--verbose", is_flag=True, help="End with duty cycle, lateness, limits passed, memory."
+    ),
+    click.option(
         "--csv",
         "csv_path",
         type=CSV,

@@ -1,6 +1,8 @@
 """The summary of a run: the trainee, the timer, and what went wrong."""
 
 import math
+import shlex
+from dataclasses import dataclass
 
 import click
 
@@ -14,34 +16,24 @@ from trainer.session.session import Session
 from trainer.session.time.ledger import Summary
 from trainer.units import KNOT
 
-SEE_IT = "trainer debrief FILE shows how it went, trainer replay FILE flies it again"
 SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
 
 
-def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
-    """Print the summary of a run of ``wall`` [s] and what went wrong. Return the exit code.
+@dataclass(frozen=True)
+class SummaryOptions:
+    """What the summary of a run tells beside its outcome, and where it is printed."""
 
-    ``kept`` is the path of its recording, "" if it has none; ``aside`` prints on stderr, where a
-    console has stdout.
-    """
-    summary = "\n".join(
-        (
-            *outcome_lines(session),
-            summary_text(
-                session.boat, session.time.ledger.summary(), wall, session.conduct.compiled_from
-            ),
-        )
-    )
-    if granted := session.time.punctuality.granted:
-        summary += f"\nthe clock   {granted.line()}"
-    if times := session.monitor.times | session.depths.times | session.pilot.times:
-        summary += f"\nevents      {account_of(times)}"
-    if kept:
-        absences = session.history.recording.absences
-        whole = absences and not session.history.recording.missing
-        again = f"; it was out of reach {absences} times, and is whole" if whole else ""
-        summary += f"\nrecorded    {kept}{again}\n            {SEE_IT}"
-    click.echo(summary, err=aside)
+    kept: str = ""  # path of the recording, "" without one
+    verbose: bool = False  # with duty cycle, lateness and what the clock was granted
+    aside: bool = False  # on stderr, where a console has stdout
+
+
+def account(session: Session, wall: float, options: SummaryOptions) -> int:
+    """Print the summary of a run of ``wall`` [s] and what went wrong. Return the exit code."""
+    kept = options.kept
+    lines = [*outcome_lines(session), one_line(session, kept)]
+    lines += details(session, wall, kept) if options.verbose else []
+    click.echo("\n".join(lines), err=options.aside)
     failure = session.control.failure and f"frozen: {session.control.failure}"
     recording = describe_missing(session.history.recording) if kept else ""
     troubles = [failure, session.deserted, session.recorder.trouble, recording]
@@ -50,11 +42,37 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
         if station.line.dropped:
             unread = f"{station.line.dropped} lines were not read there{safe}"
             click.echo(f"trainer: {station.who}: {unread}", err=True)
-    if not aside:  # nobody was there to hear it
+    if not options.aside:  # nobody was there to hear it
         troubles += session.refused
     for trouble in filter(None, troubles):
         click.echo(f"trainer: {trouble}", err=True)
     return 1 if any(troubles) else 0
+
+
+def one_line(session: Session, kept: str) -> str:
+    """Return how long was flown, whether on time, and how the recording is looked at."""
+    ledger = session.time.ledger.summary()
+    late = ledger.overruns + ledger.caught_up + ledger.skipped
+    timing = f"{late} late" if late else "all on time"
+    ticks = "tick" if ledger.ticks == 1 else "ticks"
+    flown = f"simulated   {session.boat.time:.1f} s in {ledger.ticks} {ticks}, {timing}"
+    return f"{flown}; trainer debrief {shlex.quote(kept)} shows how it went" if kept else flown
+
+
+def details(session: Session, wall: float, kept: str) -> list[str]:
+    """Return what an engineer asks of a run of ``wall`` [s]: load, lateness, limits, recording."""
+    summary, since = session.time.ledger.summary(), session.conduct.compiled_from
+    lines = [summary_text(session.boat, summary, wall, since)]
+    if granted := session.time.punctuality.granted:
+        lines.append(f"the clock   {granted.line()}")
+    if times := session.monitor.times | session.depths.times | session.pilot.times:
+        lines.append(f"events      {account_of(times)}")
+    if kept:
+        absences = session.history.recording.absences
+        whole = absences and not session.history.recording.missing
+        again = f"; it was out of reach {absences} times, and is whole" if whole else ""
+        lines.append(f"recorded    {kept}{again}")
+    return lines
 
 
 def outcome_lines(session: Session) -> list[str]:
@@ -94,7 +112,7 @@ def summary_text(boat: Boat, ledger: Summary, wall: float, compiled_from: int = 
         (
             boat.file.name,
             f"computed    {boat.method.equations} set, {boat.method.integrator} at {step:g} s{how}",
-            f"simulated   {boat.time:.1f} s in {ledger.ticks} ticks; {wall:.2f} s on the clock",
+            f"took        {wall:.2f} s on the clock",
             f"duty cycle  {100 * ledger.duty_cycle:.4f} %   ({SECONDS_1969})",
             (
                 f"work a tick median {ledger.work.p50_ns / 1e3:.1f} us, "

@@ -31,6 +31,7 @@ class RunOptions:
     overrun: str = "catch-up"
     priority: str = "realtime"
     frozen: bool = False
+    verbose: bool = False  # its summary has duty cycle and lateness
     until_left: bool = False
     # what is kept
     csv_path: Path | None = None

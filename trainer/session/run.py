@@ -25,7 +25,7 @@ from trainer.io.recording.file import TakenError
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
-from trainer.session.account import account
+from trainer.session.account import SummaryOptions, account
 from trainer.session.exercise import Debriefing, Ending, Following, problem_with
 from trainer.session.header import header_of
 from trainer.session.history import History
@@ -271,7 +271,8 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
             station.close(PATIENCE)
         recorder.close()
         history.recording.close()
-        code = account(session, wall, prepared.kept, aside=not options.headless)
+        summary = SummaryOptions(prepared.kept, options.verbose, aside=not options.headless)
+        code = account(session, wall, summary)
         if log:
             code = max(code, log.account())
         return Ended(code, session.control.following)
