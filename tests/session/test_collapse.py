@@ -289,7 +289,12 @@ def wreck(tmp_path_factory: pytest.TempPathFactory) -> "tuple[Path, str, str, in
     (folder / "dive.txt").write_text("1 stern dive 10\n1 bow dive 10\n")
     words = ("--speed", "max", "--duration", "1h", "--orders", "dive.txt")
     ran = trainer(
-        *(folder, "run", "--headless", *words), "--record", "dive.trainer", "--csv", "dive.csv"
+        *(folder, "run", "--headless", *words),
+        "--record",
+        "dive.trainer",
+        "--csv",
+        "dive.csv",
+        "--verbose",
     )
     return folder, ran.stdout, ran.stderr, ran.returncode
 

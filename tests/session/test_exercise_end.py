@@ -166,7 +166,7 @@ def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
     told = served.account()
     assert served.process.returncode == 0
     assert told.count("outcome") == 1  # nothing was flown of the other
-    assert told.index("outcome") < told.index("duty cycle")
+    assert told.index("outcome") < told.index("simulated")
     assert re.search(r"outcome     time is up at 20 s; \d+ marks of 100\n +Time to 65 m: ", told)
     assert len(list(exercise.parent.rglob("recordings/*.trainer"))) == 2
 

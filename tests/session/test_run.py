@@ -111,10 +111,12 @@ def test_orders_wait_for_no_line_end_and_quit_ends_the_run(start: Start) -> None
 
 def test_the_summary_counts_what_was_simulated(start: Start, tmp_path: Path) -> None:
     (tmp_path / "orders.txt").write_text("0 trim manual\n")
-    ran = Run(start(*HEADLESS, "--duration", "2m", "--orders", "orders.txt"))
+    plain = Run(start(*HEADLESS, "--duration", "2m", "--orders", "orders.txt"))
+    ran = Run(start(*HEADLESS, "--duration", "2m", "--orders", "orders.txt", "--verbose"))
 
-    assert ran.code == 0
-    assert "simulated   120.0 s in 240 ticks;" in ran.out
+    assert plain.code == ran.code == 0
+    assert plain.out == "simulated   120.0 s in 240 ticks, all on time\n"
+    assert ran.out.startswith(plain.out)
     assert max(map(len, ran.out.splitlines())) <= 79
     assert re.search(r"duty cycle  0\.\d+ %   \(1969: 38 % at 0.5 s, 19 % at 1 s\)", ran.out)
     assert "overruns 0, caught up 0, slipped 0, gaps 0 (0.0 s)" in ran.out
@@ -356,7 +358,7 @@ def test_closed_streams_do_not_disturb_the_run_or_get_into_its_recording(
 
 @posix
 def test_a_stopped_process_goes_on_without_a_burst_and_the_gap_is_told(start: Start) -> None:
-    process = start("run", "--speed", "10")  # 20 lines a second
+    process = start("run", "--speed", "10", "--verbose")  # 20 lines a second
     heard(process, "00:00:02")
     process.send_signal(signal.SIGSTOP)
     time.sleep(2.0)
@@ -374,6 +376,7 @@ def test_a_stopped_process_goes_on_without_a_burst_and_the_gap_is_told(start: St
     assert len(lines) == 20
     assert at < 20  # 40 ticks were due meanwhile
     assert ran.code == 0
+    assert re.search(r"simulated .* not running for [12]\.\d s", ran.err)
     found = re.search(r"caught up (\d+), slipped (\d+), gaps (\d+) \(([\d.]+) s\)", ran.err)
     assert found
     assert int(found[1]) + int(found[2]) < 15

@@ -53,7 +53,9 @@ def one_line(session: Session, kept: str) -> str:
     """Return how long was flown, whether on time, and how the recording is looked at."""
     ledger = session.time.ledger.summary()
     late = ledger.overruns + ledger.caught_up + ledger.skipped
-    timing = f"{late} late" if late else "all on time"
+    troubles = [f"{late} late"] if late else []
+    troubles += [f"not running for {ledger.gap_ns / 1e9:.1f} s"] if ledger.gaps else []
+    timing = ", ".join(troubles) or "all on time"
     ticks = "tick" if ledger.ticks == 1 else "ticks"
     flown = f"simulated   {session.boat.time:.1f} s in {ledger.ticks} {ticks}, {timing}"
     return f"{flown}; trainer debrief {shlex.quote(kept)} shows how it went" if kept else flown
