@@ -34,6 +34,7 @@ from trainer.analysis.debrief.page import (
     read_dossier,
     render,
 )
+from trainer.analysis.debrief.sections import pressed_together
 from trainer.analysis.recording_export import export_file
 from trainer.analysis.report import html
 from trainer.analysis.report.html import HERE, print_pdf
@@ -43,7 +44,7 @@ from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, remembering, shipped
 from trainer.config.score_rules import MEASURES
 from trainer.config.vessel import load_vessel
-from trainer.io.recording.recording import Recording
+from trainer.io.recording.recording import Journalled, Recording
 from trainer.io.tables import NoFile
 from trainer.session.header import header_of
 from trainer.session.history import History
@@ -649,6 +650,30 @@ def test_the_page_shows_what_was_ordered_what_broke_and_what_was_said(page: str)
         assert told in words, told
     assert sum(tag == "svg" for tag, _ in elements.found) == 10
     assert all(keys.get("aria-label") for tag, keys in elements.found if tag == "svg")
+
+
+def press(
+    second: float, text: str, *, who: str = "planes at line 2", taken: bool = True
+) -> Journalled:
+    return Journalled(0, 1, round(second / 0.5), who, text, None, taken, f"{text}, by hand")
+
+
+def test_keys_pressed_within_a_second_are_one_line_of_the_log() -> None:
+    held = [press(0.5 * count, f"stern rise {count}") for count in range(1, 6)]
+    other = [press(2.0, "rudder left 5", who="helm at line 3"), press(9.0, "stern rise 6")]
+    refused = [press(9.5, "stern rise 7", taken=False), press(10.0, "stern rise 8")]
+
+    groups = pressed_together(sorted([*held, *other, *refused], key=lambda key: key.tick), 0.5)
+
+    assert [[order.text for order in group] for group in groups] == [
+        [order.text for order in held],
+        *(["rudder left 5"], ["stern rise 6"], ["stern rise 7"], ["stern rise 8"]),
+    ]
+
+
+def test_the_log_is_the_last_part_of_the_page(page: str) -> None:
+    parts = re.findall(r'<section id="([a-z]+)"', page) or re.findall(r'id="([a-z]+)"', page)
+    assert parts[-1] == "log"
 
 
 def test_a_turning_circle_is_round_on_the_page() -> None:

@@ -92,11 +92,11 @@ def _parts(debrief: DebriefData) -> Iterator[Markup]:
         yield section("words", "Marks and remarks", sections.marks(debrief))
     if debrief.hands:
         yield section("hands", "Who gave orders", sections.hands(debrief))
-    yield section("log", "Orders and events", sections.log(debrief))
     if len(debrief.branches) > 1:
         yield section("branches", "Branches", sections.branches(debrief))
     yield section("ticks", "Ticks", sections.ledger(debrief))
     yield section("run", "What was flown", sections.run_facts(debrief))
+    yield section("log", "Orders and events", sections.log(debrief))  # the longest comes last
 
 
 def _drawings(debrief: DebriefData) -> Markup:

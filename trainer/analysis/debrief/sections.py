@@ -1,7 +1,7 @@
 """The tables of a debrief, as HTML."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 from markupsafe import Markup
@@ -15,8 +15,11 @@ from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict
 from trainer.analysis.report.html import paragraph, table
 from trainer.analysis.report.svg import clock
 from trainer.core.cache import same_core
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.recording import Journalled
 
 MOST: Final = 1000  # lines of the log
+JOINED_WITHIN_S: Final = 1.0  # [s] from one press of a key to the next
 PLACED: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place
 TOLD: Final = 4  # digits of a value that count
 
@@ -376,16 +379,48 @@ def log(debrief: DebriefData) -> Markup:
 
 def _entries(debrief: DebriefData) -> Iterator[tuple[int, str, str, str]]:
     """Yield tick, who, what and answer of orders and events."""
-    for each in debrief.trajectory.orders:
-        answer = (
-            (each.answer)
-            if each.accepted is not False
-            else Markup("<strong>refused:</strong> {}").format(each.answer)
-        )
-        yield each.tick, (each.who), (each.text), answer
+    for presses in pressed_together(debrief.trajectory.orders, debrief.step):
+        first, last = presses[0], presses[-1]
+        answer: str = last.answer
+        if last.accepted is False:
+            answer = Markup("<strong>refused:</strong> {}").format(last.answer)
+        yield first.tick, first.who, _joined(presses), answer
     for event in debrief.events:
         words = PLACED.sub("", event.text)
         yield event.tick, (event.who or event.kind), (words), ""
+
+
+def pressed_together(orders: Iterable[Journalled], step: float) -> list[list[Journalled]]:
+    """Return orders in groups: those of one kind and giver, each within a second of the last.
+
+    A key that is held, or pressed again and again, gives many; a page has room for one line.
+    ``step`` is that of the run [s]. What was refused stands alone.
+    """
+    groups: list[list[Journalled]] = []
+    last_of: dict[tuple[str, str], list[Journalled]] = {}  # the group that a key's next may join
+    for order in orders:
+        key = order.who, kind_of(order.text)
+        group = last_of.get(key)
+        near = group and (order.tick - group[-1].tick) * step <= JOINED_WITHIN_S
+        if group and near and order.accepted and group[-1].accepted:
+            group.append(order)
+        else:
+            last_of[key] = [order]
+            groups.append(last_of[key])
+    return groups
+
+
+def kind_of(text: str) -> str:
+    """Return what an order is about: its name, or its text where it is no order."""
+    order = parse(text)
+    return order.name if isinstance(order, Order) else text
+
+
+def _joined(presses: list[Journalled]) -> str:
+    """Return the words of orders that were given in one go."""
+    if len(presses) == 1:
+        return presses[0].text
+    return Markup("{} <small>after {} more</small>").format(presses[-1].text, len(presses) - 1)
 
 
 def branches(debrief: DebriefData) -> Markup:
