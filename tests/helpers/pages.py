@@ -86,7 +86,7 @@ def served(*words: str, frozen: bool = True) -> Iterator[Served]:
     with tempfile.TemporaryDirectory(prefix="web") as name:
         folder, port = Path(name), free_port()
         own = {"XDG_RUNTIME_DIR": str(folder), "XDG_STATE_HOME": str(folder)}
-        line = [*words, "--listen", "none", "--socket", str(folder / "s.sock")]
+        line = [*words, "--verbose", "--listen", "none", "--socket", str(folder / "s.sock")]
         line += ["--web", f"127.0.0.1:{port}", *(["--frozen"] if frozen else [])]
         with (folder / "said").open("w") as said:
             process = subprocess.Popen(

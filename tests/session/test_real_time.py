@@ -161,7 +161,7 @@ def serve(tmp_path: Path) -> Iterator[Serve]:
 
         def begin(*words: str) -> Served:
             process = trained(
-                *("serve", str(exercise), "--speed", "5", "--listen", "127.0.0.1:0"),
+                *("serve", str(exercise), "--verbose", "--speed", "5", "--listen", "127.0.0.1:0"),
                 *("--socket", "none", "--record", str(recording), *words),
             )
             started.enter_context(process)

@@ -36,7 +36,7 @@ TRAINER: Final = (sys.executable, "-m", "trainer")
 def begin_session(words: Sequence[str]) -> "subprocess.Popen[str]":
     """Begin a session in a process of its own, whose words are kept."""
     return subprocess.Popen(  # noqa: S603  our own program
-        [*TRAINER, "serve", *words],
+        [*TRAINER, "serve", "--verbose", *words],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

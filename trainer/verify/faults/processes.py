@@ -183,6 +183,7 @@ def clock_set(bench: Bench, times: int) -> Tried:
         return tried
     path, door = bench.folder / "clock.trainer", bench.folder / "clock.sock"
     words = ("serve", "depth-changes", "--speed", "10", "--listen", "none", "--socket", str(door))
+    words += ("--verbose",)
     with subprocess.Popen(  # noqa: S603  our own program
         [sys.executable, "-m", "trainer", *words, "--record", str(path)],
         env=os.environ | {"LD_PRELOAD": str(shim)},

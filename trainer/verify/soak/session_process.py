@@ -118,7 +118,7 @@ class SessionProcess:
 
     def __init__(self, *words: str) -> None:
         """Start `trainer serve` with these words and wait until it listens; StartError."""
-        listening = ("--listen", "127.0.0.1:0", "--socket", "none")
+        listening = ("--listen", "127.0.0.1:0", "--socket", "none", "--verbose")
         self.process = subprocess.Popen(  # noqa: S603  our own program
             [sys.executable, "-c", PROGRAM, *words, *listening],
             stdin=subprocess.DEVNULL,
