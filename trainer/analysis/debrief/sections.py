@@ -391,7 +391,7 @@ def _entries(debrief: DebriefData) -> Iterator[tuple[int, str, str, str]]:
 
 
 def pressed_together(orders: Iterable[Journalled], step: float) -> list[list[Journalled]]:
-    """Return orders in groups: those of one kind and giver, each within a second of the last.
+    """Return orders in groups of one kind and giver, a second apart at most.
 
     A key that is held, or pressed again and again, gives many; a page has room for one line.
     ``step`` is that of the run [s]. What was refused stands alone.
