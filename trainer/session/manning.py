@@ -77,9 +77,10 @@ def workers(axis: str) -> list[str]:
 def unheard(
     order: Order, hand: Collection[str], allowed: Collection[str], roles: Collection[str]
 ) -> str:
-    """Return how an order is carried out that nobody of the crew hears, "" if somebody does.
+    """Return how an unheard order is carried out, "" where somebody hears it.
 
-    ``roles`` are those that are attended. ``hand`` has the axes that are worked by hand, ``allowed`` what is automatic nevertheless.
+    ``roles`` are those that are attended, ``hand`` the axes that are worked by hand, ``allowed``
+    what is automatic nevertheless.
     """
     if order.name not in ("order", "tell") or order.word.startswith("clear"):
         return ""
