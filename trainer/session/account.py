@@ -21,7 +21,7 @@ SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
 
 @dataclass(frozen=True)
 class SummaryOptions:
-    """What the summary of a run tells beside its outcome, and where it is printed."""
+    """The parts of a run's summary, and where it is printed."""
 
     kept: str = ""  # path of the recording, "" without one
     verbose: bool = False  # with duty cycle, lateness and what the clock was granted

@@ -1,4 +1,4 @@
-"""Who mans what: the axes that are worked by hand, and who of the crew carries an order out."""
+"""The axes that are worked by hand, and the roles that carry orders out."""
 
 import re
 from collections.abc import Callable, Collection
@@ -68,7 +68,7 @@ def unmanned_axes(hand: Collection[str], attends: Callable[[str], bool]) -> list
 
 
 def workers(axis: str) -> list[str]:
-    """Return the roles that may work an axis by hand; the instructor may work every one."""
+    """Return the roles of the crew that may work an axis by hand."""
     order = parse(BY_HAND[axis][1])
     name = order.name if isinstance(order, Order) else ""
     return [role for role in CREW if name in ROLES[role].commands]

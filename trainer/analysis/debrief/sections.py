@@ -411,7 +411,7 @@ def pressed_together(orders: Iterable[Journalled], step: float) -> list[list[Jou
 
 
 def kind_of(text: str) -> str:
-    """Return what an order is about: its name, or its text where it is no order."""
+    """Return the name of an order, its text where it is none."""
     order = parse(text)
     return order.name if isinstance(order, Order) else text
 
