@@ -414,7 +414,7 @@ def test_a_run_of_an_exercise_begins_with_its_briefing_and_ends_by_itself() -> N
         *briefing,
     ]
     assert "15 kn, 100 m, course 000; modified set, step 0.5 s" in lines
-    assert re.search(r"\[\d+ s\] casualty stern-hard-over -0.2: casualty stern", done.stdout)
+    assert re.search(r"\d+ s: casualty stern-hard-over, ", done.stdout)
     assert "LIMIT: deeper than 140 m" in done.stdout
     assert "simulated   " in done.stderr
 
@@ -433,7 +433,7 @@ def test_a_headless_run_tells_what_was_refused_of_its_schedule_and_ends_with_cod
     done = ran("run", "--orders", str(tmp_path / "wrong.orders"), *words)
     assert done.returncode == 1
     assert done.stderr == (
-        "trainer: [9 s] stern planes dive 80: refused: "
+        "trainer: 9 s: stern planes dive 80: refused: "
         "the limit of the stern planes is 30 degrees, not 80\n"
     )
 

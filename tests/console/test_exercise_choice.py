@@ -146,7 +146,7 @@ def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) 
         os.close(near)
         late = threading.Timer(60.0, process.kill)
         late.start()
-        shown, wanted = b"", b"What shall it be" if asks else b"making ready"
+        shown, wanted = b"", b"Choose an exercise" if asks else b"making ready"
         with contextlib.suppress(OSError):
             while not re.search(wanted, shown) and (some := os.read(far, 65536)):
                 shown += some
@@ -157,4 +157,4 @@ def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) 
         late.cancel()
     os.close(far)
     assert wanted in shown
-    assert (b"What shall it be" in shown) == asks
+    assert (b"Choose an exercise" in shown) == asks

@@ -565,8 +565,8 @@ def test_a_window_that_would_hide_a_new_order_goes() -> None:
 
 
 def test_the_briefing_names_the_stations_that_are_needed() -> None:
-    assert by_hand("planes,speed").startswith("planes, speed; stations: planes, helm (a pilot")
-    assert by_hand("ballast") == "ballast; stations: ballast"
+    assert by_hand("planes,speed") == "planes, speed; needs: planes and helm, or one pilot"
+    assert by_hand("ballast") == "ballast; needs: ballast"
     assert by_hand("") == ""
 
 

@@ -313,7 +313,7 @@ def test_who_has_no_place_yet_is_told_how_to_take_one() -> None:
     boat = attended("crossing-traffic", "scope")
     (line,) = boat.lines.values()
     boat.session.greet(boat.session.event_log.stations[0])
-    assert "role and its name takes a place" in line.sent[-1]
+    assert "`role helm` to take a station" in line.sent[-1]
     assert "depth" not in line.sent[-1]
     boat.enter()
     boat.session.greet(boat.session.event_log.stations[0])

@@ -197,7 +197,7 @@ def test_orders_casualties_and_calls_are_in_the_log_and_in_lanes(flown: Path) ->
     }
     jam = column(found, "/lanes/stern-hard-over", ":state")
 
-    assert "[20 s] course 060: keeping course 060" in texts
+    assert "20 s: keeping course 060" in texts
     assert any("LIMIT: " in text for text in texts)
     assert ["acting"] in jam.values()
     assert min(when for when, word in jam.items() if word == ["acting"]) == 66.5  # by its seed

@@ -244,7 +244,7 @@ def test_frozen_and_resumed_in_real_time_gives_the_same_bits(start: Start, tmp_p
         ("freeze\n", "frozen"),
         ("step 2\n", "2 ticks"),
         ("time max\n", "time as fast"),
-        ("time 20\n", "time 20"),
+        ("time 20\n", "time x20"),
         ("run\n", "running"),
     ):
         say(process, words)

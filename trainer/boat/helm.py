@@ -232,25 +232,25 @@ def _revolutions(boat: Boat, u_c: float, said: str) -> Reply:
         )
     s.ordered_u_c = u_c
     s.speed_by_hand = 1.0
-    return f"{said}: turns for {u_c / KNOT:.3g} kn"
+    return f"{said}turns for {u_c / KNOT:.3g} kn"
 
 
 def _turns(boat: Boat, order: Order) -> Reply:
-    return _revolutions(boat, order.value, order.text)
+    return _revolutions(boat, order.value, "")
 
 
 def _rpm(boat: Boat, order: Order) -> Reply:
-    return _revolutions(boat, order.value / boat.file.propulsion.rps_per_mps, order.text)
+    return _revolutions(boat, order.value / boat.file.propulsion.rps_per_mps, f"{order.text}: ")
 
 
 def _bell(boat: Boat, order: Order) -> Reply:
     if order.word == "stop":
-        return _revolutions(boat, 0.0, order.text)
+        return _revolutions(boat, 0.0, f"{order.text}: ")
     bells = boat.file.propulsion.bells_kn
     if order.word not in bells:
         known = ", ".join(name.replace("_", " ") for name in bells)
         return Refused(f"this boat's telegraph has {known} and stop")
-    return _revolutions(boat, bells[order.word] * KNOT, order.text)
+    return _revolutions(boat, bells[order.word] * KNOT, f"{order.text}: ")
 
 
 def _autopilot(boat: Boat, order: Order) -> Reply:

@@ -135,7 +135,7 @@ time_options = together(
     ),
     click.option("--frozen", is_flag=True, help="Start with time frozen, until the order run."),
     click.option(
-        "--verbose", is_flag=True, help="End with duty cycle, lateness, limits passed, memory."
+        "--verbose", is_flag=True, help="End with duty cycle, lateness, priority and memory."
     ),
     click.option(
         "--csv",

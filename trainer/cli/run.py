@@ -106,7 +106,7 @@ def refuse_other_screens(asked: RunOptions) -> None:
     """Raise ConfigError where a run with pages is to have another console."""
     if asked.headless:
         raise ConfigError(
-            f"--web: nobody attends a run that is --headless; trainer serve --web {HOST}:{PAGES} "
+            f"--web and --headless exclude each other; trainer serve --web {HOST}:{PAGES} "
             "serves pages and opens none"
         )
     if asked.url:

@@ -58,7 +58,7 @@ def exercise_choice(offered: Sequence[Lesson]) -> ExerciseChoice:
     rows = [Row(FREELY, FREELY, "", "No exercise: go to sea at once and do as you like.")]
     rows += [Row(each.title, each.name, "", " ".join(each.briefing.split())) for each in offered]
     advice = ("Up, Down or part of a title; Enter begins; Esc leaves",)
-    return ExerciseChoice("What shall it be?", rows, advice, size=(76, 40))
+    return ExerciseChoice("Choose an exercise", rows, advice, size=(76, 40))
 
 
 class ExerciseScreen(App[Done], inherit_bindings=False):

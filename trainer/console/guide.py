@@ -258,8 +258,8 @@ def by_hand(told: str) -> str:
     if not axes:
         return ""
     stations = dict.fromkeys(AT[axis] for axis in axes if axis in AT)
-    both = "" if not {"helm", "planes"} <= set(stations) else " (a pilot has helm and planes)"
-    return f"{', '.join(axes)}; stations: {', '.join(stations)}{both}"
+    pilot = ", or one pilot" if {"helm", "planes"} == set(stations) else ""
+    return f"{', '.join(axes)}; needs: {' and '.join(stations)}{pilot}"
 
 
 def loss_said(told: str) -> str:

@@ -31,7 +31,10 @@ class SummaryOptions:
 def account(session: Session, wall: float, options: SummaryOptions) -> int:
     """Print the summary of a run of ``wall`` [s] and what went wrong. Return the exit code."""
     kept = options.kept
-    lines = [*outcome_lines(session), one_line(session, kept)]
+    lines = outcome_lines(session)
+    if times := session.monitor.times | session.depths.times | session.pilot.times:
+        lines.append(f"events      {account_of(times)}")
+    lines.append(one_line(session, kept))
     lines += details(session, wall, kept) if options.verbose else []
     click.echo("\n".join(lines), err=options.aside)
     failure = session.control.failure and f"frozen: {session.control.failure}"
@@ -62,13 +65,11 @@ def one_line(session: Session, kept: str) -> str:
 
 
 def details(session: Session, wall: float, kept: str) -> list[str]:
-    """Return what an engineer asks of a run of ``wall`` [s]: load, lateness, limits, recording."""
+    """Return what an engineer asks of a run of ``wall`` [s]: load, lateness, recording."""
     summary, since = session.time.ledger.summary(), session.conduct.compiled_from
     lines = [summary_text(session.boat, summary, wall, since)]
     if granted := session.time.punctuality.granted:
         lines.append(f"the clock   {granted.line()}")
-    if times := session.monitor.times | session.depths.times | session.pilot.times:
-        lines.append(f"events      {account_of(times)}")
     if kept:
         absences = session.history.recording.absences
         whole = absences and not session.history.recording.missing

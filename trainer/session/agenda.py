@@ -42,9 +42,14 @@ class Ahead(NamedTuple):
         when = f"{self.when:.3f}" if isinstance(self.when, float) else self.when
         return Fact("planned", f"{self.number or ''},{when},{self.text}")
 
-    def __str__(self) -> str:
+    @property
+    def moment(self) -> str:
+        """Return its number and when it comes, in words."""
         when = f"at {clock(self.when)}" if isinstance(self.when, float) else f"when {self.when}"
-        return f"{self.number or 'exercise'}: {when}: {self.text}"
+        return f"{self.number or 'exercise'}: {when}"
+
+    def __str__(self) -> str:
+        return f"{self.moment}: {self.text}"
 
 
 @dataclass(frozen=True)

@@ -89,7 +89,7 @@ class Control:
     def _change_time(self, order: Order, _who: str) -> Reply:
         fastest = order.word == "max"
         self.time.change(math.inf if fastest else order.value)
-        return "time as fast as it goes" if fastest else order.text
+        return "time as fast as it goes" if fastest else f"time x{order.value:g}"
 
     def _quit(self, _order: Order, _who: str) -> Reply:
         self.ended = True

@@ -370,7 +370,7 @@ class Session:
         if self.history.rerun is None:
             for each in self.agenda.due():
                 who = f"{PLANNED}{each.number}"
-                self._tell_due(each.ahead, each.order, self.give(each.order, who))
+                self._tell_due(each.ahead.moment, each.order, self.give(each.order, who))
                 self._tell_plans()
         elif self._obey_replay():
             return True
@@ -383,14 +383,15 @@ class Session:
             if math.ceil(entry.seconds / self.boat.method.step - 1e-9) > self.boat.ticks:
                 return
             answer = self._carry_out(entry.order, SCHEDULE, self.history.place)
-            told = self._tell_due(f"[{entry.seconds:g} s] {entry.order.text}", entry.order, answer)
+            told = self._tell_due(f"{entry.seconds:g} s", entry.order, answer)
             if isinstance(answer, Refused):
                 self.refused.append(told)
 
-    def _tell_due(self, when: object, order: Order, answer: Reply) -> str:
+    def _tell_due(self, when: str, order: Order, answer: Reply) -> str:
         """Tell how an order that was due was answered; what was said to the crew, has been told."""
         refused = isinstance(answer, Refused)
-        text = f"{when}: {f'refused: {answer.reason}' if isinstance(answer, Refused) else answer}"
+        wrong = f"{order.text}: refused: {answer.reason}" if isinstance(answer, Refused) else ""
+        text = f"{when}: {wrong or answer}"
         if refused or order.name not in CREW_TALK:
             fact = None if refused else Fact("order", order.text)
             self.event_log.tell("exercise", text, fact=fact)

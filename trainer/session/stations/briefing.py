@@ -114,7 +114,7 @@ TITLES: Final = {
 }
 
 
-UNSETTLED: Final = "help lists the orders; role and its name takes a place; detach leaves"
+UNSETTLED: Final = "type `help` for the orders, `role helm` to take a station, `detach` to leave"
 AUTOMATIC: Final = ("depth 80", "course 090", "rudder left 15")
 OF_STATIONS: Final = ("stern planes dive 5", "flood depth-control 1", "scope raise")
 
