@@ -43,7 +43,7 @@ MOST = {  # modules, in the rooms that were made fewer
     "web": 7,
     "analysis": 82,
     "verify": 38,
-    "cli": 20,
+    "cli": 21,
 }
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 MODULES = [path for path in SOURCES if path.name != "__init__.py"]
@@ -81,7 +81,7 @@ def test_functions_are_short() -> None:
 def test_layers_name_packages_only() -> None:
     table = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = table["tool"]["importlinter"]["contracts"]
-    assert len(contracts) == 4
+    assert len(contracts) == 3
     (layers,) = (each["layers"] for each in contracts if each["type"] == "layers")
     assert len(layers) <= 10
     named = {name.strip() for layer in layers for name in layer.split("|")}

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.exported import Row
 from helpers.recorded import record
 from helpers.tab import fly
 
 from trainer.analysis.boat_page import boat_for_page, boat_of
 from trainer.boat.boat import Boat
 from trainer.boat.export.orders import rows
-from trainer.boat.export.runner.orders import Row
 from trainer.boat.helm import obey
 from trainer.cli.export import boat_at_start
 from trainer.io.orders.grammar import Order, Refused, parse
@@ -43,14 +43,15 @@ def told(boat: Boat, words: str) -> str:
 
 
 def wordings(boat: Boat) -> list[str]:
-    """Return orders of every row of a boat, with two numbers where one is taken."""
+    """Return orders of every row of a boat, with some numbers where one is taken."""
     found = []
     for row in map(Row, rows(boat)):
         low, high = row.typed
-        numbers = {max(low, 0.0), math.floor(370.0 * high) / 1000.0}
+        numbers = {max(low, 0.0), *(math.floor(part * high) / 1000.0 for part in (370, 1000))}
+        numbers |= {-1.0} if low < 0.0 else set()
         typed = [f"{row.words} {number:.3f}" for number in sorted(numbers)]
         found += typed if row.takes_number else [row.words]
-    return found
+    return [*found, *(["course 360"] if boat.automatic else [])]
 
 
 # Orders

@@ -331,8 +331,7 @@ def _options_of(given: Mapping[str, Any]) -> RunOptions:
     known = {"vessel", *BoatOptions.__annotations__}
     exercise = given.get("exercise")
     with parsed(run_command, [] if exercise is None else [exercise], keywords, known) as asked:
-        for name in ("teletype", "core", "state"):
-            del asked[name]
+        del asked["teletype"]
         return replace(run_options(asked), headless=True, speed=math.inf)
 
 

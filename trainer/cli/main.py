@@ -20,6 +20,7 @@ from trainer.cli import (
     verify,
     vessel,
 )
+from trainer.cli.moved import tell_what_is_typed_now
 from trainer.cli.types import Commands
 from trainer.config.files import ConfigError
 
@@ -125,14 +126,22 @@ def fail(code: int, *lines: str) -> NoReturn:
 
 
 def main() -> None:
-    """Run the command line. A user's mistake is told on stderr, exit code 2."""
+    """Run the command line."""
     keep_standard_streams()
+    gone = tell_what_is_typed_now(sys.argv[1:])
+    if gone:
+        fail(2, gone)
+    run_command(cli, "trainer")
+
+
+def run_command(command: click.Command, name: str) -> NoReturn:
+    """Run a command. A user's mistake is told on stderr, exit code 2."""
     try:
-        sys.exit(cli(prog_name="trainer", standalone_mode=False))
+        sys.exit(command(prog_name=name, standalone_mode=False))
     except ConfigError as wrong:
         fail(2, *str(wrong).splitlines())
     except click.UsageError as wrong:
-        path = wrong.ctx.command_path if wrong.ctx else "trainer"
+        path = wrong.ctx.command_path if wrong.ctx else name
         fail(2, f"{wrong.format_message()} ({path} --help says more)")
     except click.Abort:
         fail(130, "interrupted")

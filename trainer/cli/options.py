@@ -184,20 +184,6 @@ console_options = together(
     ),
 )
 
-core_options = together(
-    click.option(
-        "--core",
-        type=File(".so"),
-        default=None,
-        metavar="FILE.so",
-        help="Run the boat of this exported core (trainer export-core), headless, with --duration, "
-        "--speed, --csv, --orders and --state alone.",
-    ),
-    click.option(
-        "--state", type=FILE, default=None, help="With --core: write the last state to this file."
-    ),
-)
-
 rerun_options = together(
     click.option("--rerun", is_flag=True, help="Show the run in Rerun's viewer while it goes on."),
     click.option(

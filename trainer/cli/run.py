@@ -18,7 +18,6 @@ from trainer.cli.options import (
     connect_option,
     connect_options,
     console_options,
-    core_options,
     exercise_options,
     port_options,
     recording_options,
@@ -51,8 +50,7 @@ if TYPE_CHECKING:
 @port_options(listen=None, socket=None)
 @web_run_options
 @teletype_option
-@core_options
-def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any) -> None:
+def run(*, teletype: bool, **options: Any) -> None:
     """Run a boat in real time on a console, or headless.
 
     EXERCISE is the name of a shipped one (`trainer exercises`) or the path of a file; what is
@@ -70,10 +68,6 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
     Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat
     is lost or the recording failed, 2 wrong input.
     """
-    if core or state:
-        from trainer.boat.export.runner.run import main as run_core  # noqa: PLC0415
-
-        sys.exit(run_core(sys.argv[sys.argv.index("run") + 1 :]))
     asked = run_options(options)
     if asked.browse or asked.web:
         refuse_other_screens(asked)

@@ -185,7 +185,7 @@ def try_faults(what: str, times: int, seed: int, *, as_json: bool) -> int:
 @click.option("--same-bits", is_flag=True, help="Only whether an hour ends in the same bits.")
 @click.option("--footprint", is_flag=True, help="Only the words of machine code, beside 1969.")
 @click.option("--peers", is_flag=True, help="Only the tick beside JSBSim and scipy.")
-@click.option("--exported", is_flag=True, help="Only what a run on an exported core takes.")
+@click.option("--exported", is_flag=True, help="Only an hour by the core for WebAssembly.")
 @click.option("--on-time", is_flag=True, help="Only how late ticks begin, among busy processes.")
 @click.option(
     "--minutes",

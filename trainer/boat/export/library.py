@@ -11,8 +11,6 @@ from trainer import __version__
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.export.header import header_text
 from trainer.boat.export.lowering import freestanding_module, tick
-from trainer.boat.export.orders import rows
-from trainer.boat.export.runner.library import FORMAT, HEADING
 from trainer.boat.export.targets import Processor, code_words, link, object_code, processor
 from trainer.config.files import ConfigError
 from trainer.core.cache import core_digest
@@ -21,13 +19,15 @@ from trainer.core.update import WATCHED
 from trainer.core.vessel import COMPACT, VESSEL
 from trainer.io.tables import COLUMNS
 
+CARD_HEADING: Final = "trainer-core 1"  # and the format of what follows
+
 
 def card_text(boat: Boat, target: Processor) -> str:
     """Return the card of ``boat`` compiled for ``target``."""
     method = boat.method
     columns = " ".join(f"{name}={PLACES[name]}" for name in COLUMNS if name != "t")
     lines = [
-        f"{HEADING} {FORMAT}",
+        CARD_HEADING,
         f"version {__version__}",
         f"core {core_digest()}",
         f"boat {boat.file.name}",
@@ -39,7 +39,6 @@ def card_text(boat: Boat, target: Processor) -> str:
         f"work {SCRATCH.itemsize // 8}",
         f"watched {' '.join(WATCHED)}",
         f"columns {columns}",
-        *(f"order {row}" for row in rows(boat)),
     ]
     return "\n".join(lines) + "\n"
 
@@ -135,8 +134,6 @@ def render(exported: Exported, folder: Path, files: tuple[str, ...]) -> str:
         "",
         f"cc -O2 -o host {folder / HOST} {folder / OBJECT}",
     ]
-    if LIBRARY in files:
-        lines.append(f"trainer run --headless --core {folder / LIBRARY} --duration 1h --speed max")
     return "\n".join(lines)
 
 

@@ -1,8 +1,16 @@
-"""The orders that an exported core takes: those that only write numbers into the state.
+"""The orders of a boat in a page that only write numbers into its state, one row each.
 
-The rows are those of ``runner.orders``, for one boat with its limits, bells and signs; each means
-what ``trainer.boat.helm`` and ``ballast_orders`` make of the same words. Seas and casualties are
-left to the host program.
+A row means what ``trainer.boat.helm`` and ``ballast_orders`` make of the same words, with the
+limits, bells and signs of one boat. It is WORDS;LOW;HIGH;FACTOR;TURN;WRITES. LOW to HIGH [SI] bound
+x, the number typed after the words times FACTOR; nothing stands there if none is. FACTOR is
+negative where right and rise are positive and the words say the other. TURN is the number typed
+that counts as 0. WRITES are PLACE=RULE:ARGUMENT, done in order:
+
+    const V      V
+    number S     S x
+    place P      what stands at place P
+    short P      the angle x, as the turns nearest to the angle at place P
+    shorter P    the angle at PLACE itself, likewise
 """
 
 import math

@@ -72,7 +72,7 @@ SECTIONS: Final = {
     "footprint": Section(lambda _wanted: footprint.footprint(), footprint.lines),
     "peers": Section(lambda wanted: peers.time_peers(wanted.file), peers.lines),
     "exported": or_left_out(
-        Section(lambda wanted: exported.measure_exported(str(wanted.file.path)), exported.lines)
+        Section(lambda wanted: exported.time_hour_in_node(wanted.file), exported.lines)
     ),
     "on_time": Section(
         lambda wanted: on_time.time_ticks(wanted.file, wanted.seconds, wanted.minutes),
