@@ -15,13 +15,13 @@ from pathlib import Path
 
 from helpers.pages import PALETTES, QUIET, SIZES, Served, find_chromium, served
 from playwright.sync_api import Browser, Playwright, sync_playwright
+from soak.session_process import Caller
 
 from trainer.console.app import Console
 from trainer.console.client import Client
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
 from trainer.console.pane import GROUND
-from trainer.verify.soak.session_process import Caller
 from trainer.web.pages import PAGES
 
 IMAGES = Path(__file__).parent.parent / "docs" / "images"

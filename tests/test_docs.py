@@ -52,9 +52,9 @@ def cases(page: Path) -> list[str]:
 FIRST_PAGES = {line: page for page in reversed(PAGES) for line in cases(page)}
 # what takes minutes, and has tests of its own
 SLOW = re.compile(
-    r"bench --(footprint|against-c|seconds 2)|--selftest|sweep (overshoots|centre-of-gravity)"
+    r"bench --(footprint|against-c|seconds 2)|sweep (overshoots|centre-of-gravity)"
     r"|guide bb2 --html|estimate small-boat|export-core core"
-    r"|bench --latency|^trainer bench$|trainer soak"
+    r"|bench --latency|^trainer bench$|tests\.(soak|cases)"
 )
 SLOW_PAGES = {  # for engineers: many flights, each of a kind that has tests of its own
     *("report-1969.md", "recordings.md", "sweeps.md", "boat-by-mail.md", "own-hull.md"),

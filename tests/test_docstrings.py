@@ -11,7 +11,11 @@ from helpers.places import ROOT
 MOST = 15  # [words]
 DIALECT = re.compile(r"(Let|Have|Has|What|Whatever|Whoever)\b")
 SENTENCE = re.compile(r"(?<=[.!?])[\"')\]]*\s+(?=[A-Z\"`'(\[0-9])|\n\s*\n")
-MODULES = sorted((ROOT / "trainer").rglob("*.py"))
+PROVING = ("bench", "c_twin", "cases", "faults", "fuzz", "soak")  # rooms of tests/ with programs
+MODULES = [
+    *sorted((ROOT / "trainer").rglob("*.py")),
+    *(path for room in PROVING for path in sorted((ROOT / "tests" / room).glob("[!t]*.py"))),
+]
 
 
 def first_sentence(docstring: str) -> str:

@@ -249,7 +249,6 @@ def test_one_module_alone_decides_what_a_role_may() -> None:
     assert elsewhere <= {
         "session/stations/roles.py",
         "session/stations/station.py",  # tells a role what it may order
-        "verify/soak/operators.py",  # says what it may
     }
 
 

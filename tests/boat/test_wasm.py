@@ -11,6 +11,7 @@ from click.testing import CliRunner
 from helpers.installation import installed
 from helpers.tab import fly, standard_hour
 
+from trainer.analysis.bench.standard_hour import digest, standard_boat
 from trainer.analysis.boat_page import boat_for_page
 from trainer.boat.export import wasm
 from trainer.cli.export import boat_at_start
@@ -18,7 +19,6 @@ from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.core.cache import core_digest
 from trainer.session.options import RunOptions
-from trainer.verify.bench.standard_hour import digest, standard_boat
 
 CARD = dict(
     line.split(" ", 1) for line in wasm.SHIPPED.with_name(wasm.CARD).read_text().splitlines()

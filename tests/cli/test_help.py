@@ -51,14 +51,8 @@ SHORTER = (
     ("--seeds 5", "--seeds 1"),
     ("turn-uncertainty --plot", "turn-uncertainty --members 4 --plot"),
     ("--scheduler tcp://127.0.0.1:8786", "--members 2"),
-    ("trainer soak$", "trainer soak --hours 0.1"),
-    ("--real-time --minutes 30", "--real-time --minutes 0.1"),
-    ("--faults 100", "--faults 1"),
-    ("--damaged 2000", "--damaged 2"),
-    ("--stress 2000 --hours 10", "--stress 2 --hours 0.01"),
     ("--on-time --minutes 10", "--on-time --minutes 0.05"),
-    ("--inputs 100000", "--inputs 100"),
-    ("bench --all", "bench --footprint"),  # minutes of measuring
+    ("bench --all", "bench --same-bits"),  # minutes of measuring
     (r"(trainer estimate (?!new).*)", r"\1 --draws 2"),
     ("trainer bench", "trainer bench --seconds 1"),
     ("--armax --most 5", "--armax --most 2"),
@@ -109,7 +103,7 @@ PATIENCE = 5.0  # [s] from one Ctrl-C to the next
 LACKING = re.compile(r"^trainer: .* needs \w+: pip install '.*'$", re.MULTILINE)
 SLOW = {  # [command] that flies a boat or fits a ship first; each has tests of its own
     *("trainer exercise baseline", "trainer guide", "trainer reduce", "trainer sweep"),
-    *("trainer identify", "trainer prbs", "trainer soak", "trainer fuzz", "trainer bench"),
+    *("trainer identify", "trainer prbs", "trainer bench"),
     *("trainer export-core", "trainer export-page", "trainer export", "trainer instruments"),
     *("trainer debrief", "trainer manoeuvre", "trainer estimate", "trainer identify new"),
     *("trainer sea", "trainer check", "trainer resume", "trainer neutral", "trainer recordings"),
@@ -141,8 +135,8 @@ rudder_limit_deg = 35
 rudder_rate_deg_s = 3
 step_s = 0.5
 """
-# 1: the answer is no, or the machine is too busy for what soak promises by the clock
-UNSETTLED = {"trainer compare", "trainer identify", "trainer fit", "trainer soak"}
+# 1: the answer is no
+UNSETTLED = {"trainer compare", "trainer identify", "trainer fit"}
 CASES = [
     pytest.param(page, marks=[pytest.mark.slow] if page in SLOW else [], id=page) for page in PAGES
 ]

@@ -1,14 +1,22 @@
-"""A command that has gone says in one line what to type now."""
+"""A command that has gone says in one line what to type now, and that is there."""
 
+import re
 import subprocess
 import sys
 
 import pytest
-from helpers.places import environment
+from helpers.places import CHECKOUT, environment
+
+from trainer.cli.moved import MOVED
 
 LINES = {
-    "run --core libtrainer_core.so --headless": "run --core is gone: link its library into",
-    "run --headless --core=libtrainer_core.so": "run --core is gone: link its library into",
+    "soak": "soak is gone: from a checkout, python -m tests.soak",
+    "soak --faults=10": "soak --faults is gone: from a checkout, python -m tests.faults",
+    "fuzz orders --inputs 10": "fuzz is gone: from a checkout, python -m tests.fuzz",
+    "bench --json --peers": "bench --peers is gone: from a checkout, python -m tests.bench --peers",
+    "identify --selftest": "identify --selftest is gone: from a checkout, python -m tests.cases",
+    "run --headless --core=b.so": "run --core is gone: link its library into your own program, "
+    "see docs/exported-core.md",
 }
 
 
@@ -22,6 +30,23 @@ def test_a_command_that_has_gone_says_in_one_line_what_to_type_now(line: str) ->
         check=False,
     )
 
-    assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.startswith(f"trainer: {LINES[line]}")
-    assert done.stderr.count("\n") == 1
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"trainer: {LINES[line]}\n")
+
+
+NEW = sorted({word for now in MOVED.values() for word in re.findall(r"tests\.\w+", now)})
+
+
+@pytest.mark.parametrize("module", NEW)
+def test_what_is_typed_now_is_there_from_a_checkout(module: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", module, "--help"],
+        env=environment(PYTHONPATH=CHECKOUT),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+    assert done.stdout.startswith(f"Usage: python -m {module} [OPTIONS]")
+    for now in MOVED.values():
+        if module in now:
+            assert all(option in done.stdout for option in re.findall(r"--[\w-]+", now)), now

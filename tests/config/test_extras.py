@@ -53,7 +53,6 @@ high = 20.0
 NEEDING = [  # what is hidden, what is typed, what is told
     (("scipy",), "prbs bb2", "scipy"),
     (("scipy",), "identify study.toml", "scipy"),
-    (("scipy",), "identify --selftest", "scipy"),
     pytest.param(
         *(("matplotlib",), "sea sea-state-5 --plot sea.svg", "matplotlib"), marks=pytest.mark.slow
     ),
@@ -62,7 +61,6 @@ NEEDING = [  # what is hidden, what is typed, what is told
     (("distributed",), "sweep study.toml --out out.parquet --scheduler tcp://h:1", "distributed"),
     (("pyarrow",), "export run.trainer --parquet out", "pyarrow"),
     (("rerun",), "export run.trainer --rrd out.rrd", "rerun"),
-    (("atheris",), "fuzz --seconds 1", "atheris"),
 ]
 
 

@@ -10,12 +10,12 @@ from typing import Any
 import click
 import pytest
 from click.testing import CliRunner
+from fuzz.files import SHIP
 from helpers.places import ROOT
 from jsonschema import Draft202012Validator
 
 from trainer.cli.listings import SCHEMAS, schema
 from trainer.config.baseline import BASELINE
-from trainer.verify.fuzz.files import SHIP
 
 CONFIGS = ROOT / "configs"
 FOLDERS = {

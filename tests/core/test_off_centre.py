@@ -7,7 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from c_twin.compiler import SAME_BITS, build
 
+from trainer.analysis.bench.standard_hour import digest
+from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import read_vessel
@@ -17,9 +20,6 @@ from trainer.core.ballast.tanks import TANKS
 from trainer.core.rates import rates
 from trainer.core.state import MOTION
 from trainer.core.surfaced import add_waterplane
-from trainer.verify.bench.standard_hour import digest
-from trainer.verify.bench.tick import in_a_loop
-from trainer.verify.c_reference.compiler import SAME_BITS, build
 
 pytestmark = pytest.mark.core
 

@@ -116,7 +116,7 @@ from trainer.core.update import update
 from trainer.boat.casualties import insert
 from trainer.boat.assemble import Method
 from trainer.config.sea import load_sea
-from trainer.verify.bench.tick import CASUALTIES
+from trainer.analysis.bench.tick import CASUALTIES
 from trainer.config.vessel import load_vessel
 
 @njit

@@ -5,9 +5,9 @@ from contextlib import ExitStack
 
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
+from soak.session_process import Caller
 
 from helpers.pages import PATIENCE, QUIET, SIZES, Heard, Served, find_chromium, served
-from trainer.verify.soak.session_process import Caller
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]

@@ -5,10 +5,10 @@ from typing import Final
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
+from soak.session_process import Caller
 
 from helpers.pages import PATIENCE
 from trainer.session.stations.channels import CHANNELS
-from trainer.verify.soak.session_process import Caller
 
 EACH_WAY: Final = ("mouse", "touch", "keyboard")
 WAYS: Final = ("mouse", pytest.param("touch", marks=pytest.mark.slow), "keyboard")

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Final
 
 import pytest
+from soak.session_process import Caller
 
 from helpers.installation import installed
 from helpers.places import environment
 from trainer.analysis.report.html import find_browser
-from trainer.verify.soak.session_process import Caller
 
 SIZES: Final = {
     "phone": (360, 640),

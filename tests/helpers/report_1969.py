@@ -185,7 +185,7 @@ PROGRAMS: Final = (
         "duty cycle and size",
         "38 % and 19 % of real time, 8192 words",
         "trainer bench --seconds 2",
-        "verify/test_bench.py::test_duty_cycle_is_work_over_step_and_is_compared_with_1969",
+        "analysis/test_bench.py::test_duty_cycle_is_work_over_step_and_is_compared_with_1969",
     ),
 )
 SENSITIVE: Final = (

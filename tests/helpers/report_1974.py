@@ -19,7 +19,7 @@ Astrom, Norrbin, Kallstrom and Bystrom, *The Identification of Linear Ship Steer
 Maximum Likelihood Parameter Estimation* (Lund 7431 / SSPA 1920-1): each of its programs, tables and
 figures, what does the same here, and the test that compares. Its records have not survived, and its
 figures are not in the copies that were read. A test therefore recomputes what was printed, or
-simulates a ship of the report and identifies it again: S1 to S11 of `trainer identify --selftest`.
+simulates a ship of the report and identifies it again: S1 to S11 of `python -m tests.cases`.
 Formulas were re-derived where the print is wrong or missing; an independent program's numbers stand
 for them. [Identification](identification.md) tells how to use all this.
 """
@@ -42,7 +42,7 @@ FOUND: Final = f"{CASES}::test_a_ship_of_the_report_is_found_again"
 SEEN: Final = f"{CASES}::test_what_the_report_saw_is_seen_again"
 DERIVED: Final = f"{TABLES_TEST}::test_the_reports_tables_follow_from_its_printed_derivatives"
 PLOTTED: Final = f"{STUDY}::test_a_plot_is_drawn"
-SELFTEST: Final = "trainer identify --selftest"
+SELFTEST: Final = "python -m tests.cases"
 
 PROGRAMS: Final = (
     Row(

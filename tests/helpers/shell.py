@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from helpers.places import environment
+from helpers.places import CHECKOUT, environment
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 
@@ -52,7 +52,8 @@ def ran(line: str, folder: Path) -> Done:
         line = f"{line} --duration 1"
     if "serve" in line:
         line = f"{line} --duration 1 --listen 127.0.0.1:0"
-    return typed(line, folder, "status\nquit\n")
+    beside = {"PYTHONPATH": CHECKOUT} if "python -m tests." in line else {}
+    return typed(line, folder, "status\nquit\n", **beside)
 
 
 HEAVY = ("numba", "numpy", "textual", "trainer.core", "trainer.boat")

@@ -10,11 +10,11 @@ from typing import Any, Final
 
 from helpers.installation import installed
 from helpers.places import ROOT
+from trainer.analysis.bench.standard_hour import digest, fly_standard_hour
+from trainer.analysis.bench.tick import in_a_loop
 from trainer.analysis.boat_page import changes
 from trainer.boat.assemble import Records
 from trainer.boat.export.wasm import SHIPPED
-from trainer.verify.bench.standard_hour import digest, fly_standard_hour
-from trainer.verify.bench.tick import in_a_loop
 from trainer.web.pages import ASSETS
 
 HOST: Final = ROOT / "tests" / "web" / "tab.mjs"

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.reference_ships import ISLAND, TANKER, TANKER_RUDDER
 from numpy.testing import assert_allclose
 
 from trainer.identify.armax import Armax, fit_armax
@@ -13,7 +14,6 @@ from trainer.identify.minimise import Search
 from trainer.identify.prediction_error import settled_gain
 from trainer.identify.uncertainty import hessian, uncertainty
 from trainer.identify.validation import draw_outputs
-from trainer.verify.cases.reference_ships import ISLAND, TANKER, TANKER_RUDDER
 
 linalg = pytest.importorskip("scipy.linalg")
 

@@ -1,15 +1,14 @@
 """The report's ships are found again from simulated records, a few of them here.
 
-TRAINER_RECORDS=40 takes as many as the acceptance tests do (`trainer identify --selftest`).
+TRAINER_RECORDS=40 takes as many as the acceptance tests do (`python -m tests.cases`).
 """
 
 import os
 from typing import Any
 
 import pytest
-
-from trainer.verify.cases.decca import by_lanes
-from trainer.verify.cases.ships import (
+from cases.decca import by_lanes
+from cases.ships import (
     bent_hull,
     heading_only,
     honest_intervals,

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.reference_ships import TANKER, TANKER_RUDDER, study
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
@@ -19,7 +20,6 @@ from trainer.identify.prediction_error import Innovations, MultiStep, settled_ga
 from trainer.identify.problem import Problem
 from trainer.identify.uncertainty import hessian, inseparable, intervals, uncertainty
 from trainer.identify.validation import draw_outputs
-from trainer.verify.cases.reference_ships import TANKER, TANKER_RUDDER, study
 
 
 def recorded(rehearsal: Any, count: Any, seed: Any = 1) -> Any:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.reference_ships import TANKER, TANKER_RUDDER
 from helpers.differences import gradient_and_hessian, refined, relative_steps
 from numpy.testing import assert_allclose
 
@@ -26,7 +27,6 @@ from trainer.identify.prediction_error import (
     settled_gain,
 )
 from trainer.identify.validation import deterministic, draw_outputs
-from trainer.verify.cases.reference_ships import TANKER, TANKER_RUDDER
 
 PERIOD = TANKER.period
 
@@ -346,3 +346,13 @@ def test_errors_too_large_to_be_squared_are_no_likelihood() -> None:
     errors = np.array([[1.0, 2.0], [2.0, -1.0], [0.5, 0.25]])
     assert math.isfinite(_concentrate(errors))
     assert _concentrate(1e200 * errors) == math.inf
+
+
+def test_without_slopes_the_systems_are_real_and_the_same() -> None:
+    problem = case("varied")
+    plain, sloped = problem.sampled(problem.start), problem.sloped(problem.start)
+    for one, other in zip(plain.at(0), sloped.at(0), strict=True):
+        assert np.isrealobj(one)
+        np.testing.assert_allclose(one, other, rtol=1e-13, atol=1e-16)
+    assert np.isrealobj(plain.mean)
+    assert np.iscomplexobj(plain.as_complex().mean)

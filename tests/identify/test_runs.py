@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.reference_ships import TANKER, TANKER_RUDDER
 from click.testing import CliRunner
 from helpers.rolling import SYSTEM, write_record, write_study
 from helpers.studies import identified, numbers
@@ -21,7 +22,6 @@ from trainer.identify.prediction_error import Innovations, MultiStep, no_gain, s
 from trainer.identify.problem import Problem, Run
 from trainer.identify.uncertainty import hessian
 from trainer.identify.validation import draw_outputs
-from trainer.verify.cases.reference_ships import TANKER, TANKER_RUDDER
 
 pytest.importorskip("scipy")
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.reference_ships import TANKER
 from click.testing import CliRunner
 from helpers.places import ROOT
 
@@ -27,7 +28,6 @@ from trainer.identify.nonlinear import Bent
 from trainer.identify.pages.steering import of_nomoto, panels
 from trainer.identify.steering import steering as steering_of
 from trainer.units import DEGREE, KNOT
-from trainer.verify.cases.reference_ships import TANKER
 
 SPEED = 10.0 * KNOT
 PAGE = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.selftest import published_orders, published_ship, published_zeros
 from click.testing import CliRunner
 from helpers.studies import columns
 
@@ -20,7 +21,6 @@ from trainer.identify.models import MODELS, Ship
 from trainer.identify.monte_carlo import Rehearsal
 from trainer.identify.uncertainty import beside_bounds, uncertainty
 from trainer.identify.validation import draw_outputs
-from trainer.verify.cases.selftest import published_orders, published_ship, published_zeros
 
 pytest.importorskip("scipy")
 

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 from helpers.places import environment
+from soak.session_process import Caller, GoneError
 
 from trainer.io.recording.recording import Recording
-from trainer.verify.soak.session_process import Caller, GoneError
 
 PATIENCE = 120.0  # [s] until it listens, on a machine that is busy
 ANSWER = 20.0  # [s]

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 from helpers.places import environment
+from soak.session_process import Caller
 
 from trainer.boat import compilation
-from trainer.verify.soak.session_process import Caller
 
 PATIENCE = 120.0  # [s] until it listens, on a machine that is busy
 ANSWER = 5.0  # [s] for an order; half a second is promised

@@ -20,8 +20,7 @@ from helpers.hands import (
 )
 from helpers.pages import SIZES, Served
 from playwright.sync_api import Page, expect
-
-from trainer.verify.soak.session_process import Caller
+from soak.session_process import Caller
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]

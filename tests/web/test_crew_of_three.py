@@ -9,8 +9,7 @@ from typing import Any, Final
 import pytest
 from helpers.pages import PATIENCE, Served
 from playwright.sync_api import Page, expect
-
-from trainer.verify.soak.session_process import Caller
+from soak.session_process import Caller
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]

@@ -8,8 +8,7 @@ import pytest
 from helpers.hands import WAYS, heard, step, work
 from helpers.pages import Served
 from playwright.sync_api import Page, expect
-
-from trainer.verify.soak.session_process import Caller
+from soak.session_process import Caller
 
 Look = Callable[..., Page]
 CREW: Final = ("helm", "planes", "pilot", "ballast", "diving")

@@ -8,8 +8,7 @@ import pytest
 from helpers.hands import WAYS, await_truth, read, see_whole, work
 from helpers.pages import PATIENCE, SIZES, Served
 from playwright.sync_api import Page, expect
-
-from trainer.verify.soak.session_process import Caller
+from soak.session_process import Caller
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]

@@ -13,9 +13,9 @@ import pytest
 from helpers.hands import EACH_WAY, UNWORKED, see_whole, work
 from helpers.pages import Served, served
 from playwright.sync_api import Locator, Page, expect
+from soak.session_process import Caller
 
 from trainer.config.files import ConfigError
-from trainer.verify.soak.session_process import Caller
 from trainer.web.pages import ASSETS, HERE, catalogues, read_catalogue
 
 Look = Callable[..., Page]

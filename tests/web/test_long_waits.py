@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 from helpers.pages import PATIENCE, QUIET, Served, find_chromium, free_port
 from playwright.sync_api import Browser, Error, Page, expect
-
-from trainer.verify.soak.session_process import Caller
+from soak.session_process import Caller
 
 Serve = Callable[..., Served]
 A_FREEZE = 600.0  # [s]

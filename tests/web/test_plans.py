@@ -8,8 +8,7 @@ import pytest
 from helpers.hands import WAYS, work
 from helpers.pages import Served
 from playwright.sync_api import Page, WebSocket, expect
-
-from trainer.verify.soak.session_process import Caller
+from soak.session_process import Caller
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]

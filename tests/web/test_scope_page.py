@@ -8,8 +8,7 @@ import pytest
 from helpers.hands import WAYS, await_truth, read, work
 from helpers.pages import IN_SHORT, SIZES, Served, served
 from playwright.sync_api import Page, expect
-
-from trainer.verify.soak.session_process import Caller
+from soak.session_process import Caller
 
 Look = Callable[..., Page]
 TRAFFIC: Final = """\

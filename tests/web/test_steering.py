@@ -24,8 +24,7 @@ from helpers.hands import (
 )
 from helpers.pages import SIZES, Served
 from playwright.sync_api import Locator, Page, WebSocketRoute, expect
-
-from trainer.verify.soak.session_process import Caller
+from soak.session_process import Caller
 
 Look = Callable[..., Page]
 Serve = Callable[..., Served]

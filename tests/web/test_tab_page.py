@@ -27,13 +27,13 @@ from helpers.shell import typed
 from helpers.tab import standard_hour
 from playwright.sync_api import Browser, Page, expect
 
+from trainer.analysis.bench.standard_hour import standard_boat
 from trainer.analysis.boat_page import page_of, write_page
 from trainer.analysis.debrief.page import Asked, debrief_file
 from trainer.cli.export import boat_at_start, page_text
 from trainer.config.files import ConfigError
 from trainer.io.recording.recording import Recording
 from trainer.session.options import RunOptions
-from trainer.verify.bench.standard_hour import standard_boat
 from trainer.web import single_file as maker
 
 Open = Callable[..., Page]

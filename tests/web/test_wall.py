@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterator
 import pytest
 from helpers.pages import Served, served
 from playwright.sync_api import Page, expect
-
-from trainer.verify.soak.session_process import Caller
+from soak.session_process import Caller
 
 Look = Callable[..., Page]
 

@@ -320,11 +320,9 @@ of_ships = together(
     metavar="[FOLDER]",
     help="Fit the record shipped as an example; with FOLDER, a copy of it there.",
 )
-@click.option("--selftest", is_flag=True, help="Run the acceptance tests of identification.")
 @outputs
 def identify(
     files: tuple[Path, ...],
-    selftest: bool,  # noqa: FBT001
     example: str | None,
     **options: Any,
 ) -> None:
@@ -342,15 +340,11 @@ def identify(
               trainer identify trial.csv --armax --most 5
               trainer identify zz20.csv --model mmg --ship ship.toml --predict zz10.csv
 
-    Exit code 1 when the fit does not settle, or an acceptance test fails.
+    Exit code 1 when the fit does not settle.
     """
     from trainer.config.extras import require_library  # noqa: PLC0415
 
     require_library("scipy", "trainer identify")
-    if selftest:
-        from trainer.verify.cases.selftest import run_selftest  # noqa: PLC0415
-
-        sys.exit(0 if run_selftest(click.echo) else 1)
     if example is not None:
         files = (_example(files, example),)
     if not files:

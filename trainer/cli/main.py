@@ -8,6 +8,7 @@ import click
 
 from trainer import __version__
 from trainer.cli import (
+    bench,
     estimate,
     export,
     guide,
@@ -17,10 +18,9 @@ from trainer.cli import (
     recordings,
     run,
     sweep,
-    verify,
     vessel,
 )
-from trainer.cli.moved import tell_what_is_typed_now
+from trainer.cli.moved import name_successor
 from trainer.cli.types import Commands
 from trainer.config.files import ConfigError
 
@@ -95,9 +95,8 @@ SECTIONS: Final = {
         identify.decca,
         identify.steering,
     ),
-    "Proofs": (verify.soak, verify.fuzz),
     "This machine, and others": (
-        verify.bench,
+        bench.bench,
         vessel.evaluate,
         listings.instruments,
         listings.schema,
@@ -128,7 +127,7 @@ def fail(code: int, *lines: str) -> NoReturn:
 def main() -> None:
     """Run the command line."""
     keep_standard_streams()
-    gone = tell_what_is_typed_now(sys.argv[1:])
+    gone = name_successor(sys.argv[1:])
     if gone:
         fail(2, gone)
     run_command(cli, "trainer")

@@ -1,15 +1,23 @@
-"""What was typed until 0.1 and has gone elsewhere, told for one release."""
+"""Commands that have gone, and what to type now: for one release."""
 
 from collections.abc import Sequence
 from typing import Final
 
+COMPARISONS: Final = ("--against-c", "--side-by-side", "--footprint", "--peers", "--identify")
 MOVED: Final = {  # a command, and its option that has gone or "" for the whole; what to type now
+    ("soak", "--faults"): "from a checkout, python -m tests.faults",
+    ("soak", "--damaged"): "from a checkout, python -m tests.faults --damaged",
+    ("soak", ""): "from a checkout, python -m tests.soak",
+    ("fuzz", ""): "from a checkout, python -m tests.fuzz",
+    **{("bench", part): f"from a checkout, python -m tests.bench {part}" for part in COMPARISONS},
+    ("bench", "--exported"): "from a checkout, python -m tests.bench --wasm",
+    ("identify", "--selftest"): "from a checkout, python -m tests.cases",
     ("run", "--core"): "link its library into your own program, see docs/exported-core.md",
 }
 
 
-def tell_what_is_typed_now(words: Sequence[str]) -> str:
-    """Return what takes the place of a command that has gone, "" for one that is still here."""
+def name_successor(words: Sequence[str]) -> str:
+    """Return what to type instead of a command that has gone. "" for any other."""
     options = {word.partition("=")[0] for word in words[1:]}
     for (command, option), now in MOVED.items():
         if words[:1] == [command] and (not option or option in options):

@@ -19,9 +19,6 @@ EXTRAS: Final = {  # what is imported, by the extra that brings it
     "websockets": "web",
     "segno": "web",
     "playwright": "dev",
-    "atheris": "fuzz",
-    "jsbsim": "peers",
-    "statsmodels": "peers",
 }
 
 

@@ -1,4 +1,4 @@
-"""The orders of a boat in a page that only write numbers into its state, one row each.
+"""The orders of a boat in a page that only write numbers: a row each.
 
 A row means what ``trainer.boat.helm`` and ``ballast_orders`` make of the same words, with the
 limits, bells and signs of one boat. It is WORDS;LOW;HIGH;FACTOR;TURN;WRITES. LOW to HIGH [SI] bound

@@ -1,0 +1,119 @@
+"""One hour of orders, sea and casualties ends in the same bits however its ticks are computed."""
+
+import shutil
+
+import pytest
+from c_twin.compiler import RECORDS, SAME_BITS, build, header
+
+from trainer.analysis.bench.standard_hour import (
+    digest,
+    fly_standard_hour,
+    for_level,
+    in_a_fleet,
+    in_another_process,
+    levels_here,
+    lines,
+    same_bits,
+    standard_boat,
+    ways,
+)
+from trainer.analysis.bench.tick import in_a_loop
+from trainer.boat.boat import Boat
+from trainer.boat.export.targets import NoCompilerError
+from trainer.core.scheme import ADAMS, COMPACT
+from trainer.core.state import FIELDS
+
+# Another equation or another order makes it another hour: then take the new one from the failure,
+# as long as every way to compute it still agrees.
+# It was 1855b171... until the state had numbers of the envelope (last_turn, last_step, polar,
+# validity) and floated by the water's level along the hull, inside the rates: the motion is the
+# same up to tick 5448; in the next the hull first breaks the surface, ordered up in a sea (2724 s).
+# It was 219df557... until the sea had the spectrum's energy and suction, and pushed on strips; the
+# keepers kept speed, depth, trim and hover otherwise; and an emergency blow was among the orders.
+# It was 9755a982... until the state held three past cycles for methods of four: 24 numbers more,
+# the third rows of past_rates and past_motion, and history 3 for 2. Without those rows, and with
+# history 2, the state after the hour is the same to the bit: its digest is 9755a982... still.
+# It was 7b102e64... until BB2's compact set was found on both sides (docs/reduction.md), and the
+# state held orders to the crew, ten numbers more that are zero here.
+# It was 505b929f... until the reference of a boat in hand, or on the way up after a blow, moved
+# with the boat no faster than it is slewed: one handed over in a hard turn is stopped.
+SHA256 = "9beb354c3ddc99fc661dfed9980045bcae59e68489779d2d7600851f680f407d"
+SHORT = 160  # [ticks] with a depth change under way
+
+needs_compiler = pytest.mark.skipif(
+    not shutil.which("gcc") and not shutil.which("cc"), reason="there is no C compiler"
+)
+
+
+@pytest.fixture(scope="module")
+def hour() -> Boat:
+    """Return the boat after the hour."""
+    return fly_standard_hour(in_a_loop)
+
+
+@pytest.mark.core
+def test_the_standard_hour_ends_in_its_bits_also_without_jit(hour: Boat) -> None:
+    assert digest(hour) == SHA256
+
+
+@pytest.mark.core
+def test_the_standard_hour_is_of_the_standard_configuration_and_has_all_of_it(hour: Boat) -> None:
+    start, scheme = standard_boat(), hour.records.scheme[0]
+    was, now = start.records.state[0], hour.records.state[0]
+    still = {name for name in FIELDS if (was[name] == now[name]).all()}
+
+    assert (scheme.equations, scheme.exact, scheme.method) == (COMPACT, 0, ADAMS)
+    assert now.sea_cosines == now.sea_1969 == 0.0
+    assert hour.time == 3600.0
+    # sea, autopilot, tanks, air and pumps all had something to do
+    parts = {"sea_modes", "integral", "water", "air_taken", "bank", "u_c", "casualty"}
+    assert still & parts == set()
+
+
+@needs_compiler
+@pytest.mark.parametrize("way", SAME_BITS, ids=lambda way: way.name)
+def test_the_tick_in_plain_c_ends_the_hour_in_the_same_bits(way: object) -> None:
+    assert digest(fly_standard_hour(build(way))) == SHA256  # type: ignore[arg-type]
+
+
+def test_a_member_of_a_fleet_ends_the_hour_in_the_same_bits() -> None:
+    assert digest(fly_standard_hour(in_a_fleet)) == SHA256
+
+
+def test_an_interpreted_process_takes_the_same_ticks() -> None:
+    expected = digest(fly_standard_hour(in_a_loop, SHORT))
+
+    assert in_another_process({"NUMBA_DISABLE_JIT": "1"}, SHORT) == expected
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", levels_here())
+def test_machine_code_for_any_level_of_processor_ends_the_hour_in_the_same_bits(level: str) -> None:
+    assert in_another_process(for_level(level)) == SHA256
+
+
+def test_the_ways_of_this_machine_are_compared_whole() -> None:
+    names = {"compiled", "in a fleet of 17", "interpreted", *levels_here()}
+    assert set(ways()) == names
+
+
+def test_one_bit_of_difference_is_told() -> None:
+    alike = {"one": lambda: "a", "two": lambda: "a"}
+    assert same_bits(alike).same
+    assert lines(same_bits(alike))[1].endswith("the same bits in all 2 ways")
+
+    assert not same_bits(alike | {"three": lambda: "b"}).same
+
+
+@needs_compiler
+def test_a_record_laid_out_otherwise_is_refused_by_the_compiler(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    text = header()
+    for name, record in RECORDS.items():
+        assert f"sizeof(struct {name}) == {record.itemsize}" in text
+    moved = text.replace("double z_g;", "double z_g, one_more;")
+    monkeypatch.setattr("c_twin.compiler.header", lambda: moved)
+
+    with pytest.raises(NoCompilerError, match="not laid out like the record"):
+        build(SAME_BITS[0])

@@ -1,0 +1,1 @@
+"""The trainer beside others: C, JSBSim, scipy, statsmodels, node, and the machine of 1969."""

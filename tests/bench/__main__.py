@@ -1,0 +1,52 @@
+"""``python -m tests.bench`` compares the trainer with other programs, and with 1969."""
+
+import json
+import sys
+from pathlib import Path
+
+import click
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by their own names
+
+from bench.sections import SECTIONS
+from trainer.analysis.bench.sections import Wanted, measure_sections
+from trainer.cli.main import run_command
+from trainer.cli.options import VESSEL, VESSEL_HELP
+from trainer.config.vessel import load_vessel
+
+
+@click.command()
+@click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP)
+@click.option(
+    "--seconds",
+    type=click.IntRange(1, 3600),
+    default=10,
+    show_default=True,
+    help="Of real time, for each loop of --beside-c.",
+)
+@click.option("--against-c", is_flag=True, help="Only the tick against plain C, compiled here.")
+@click.option("--beside-c", is_flag=True, help="Only how late ticks begin, beside a loop in C.")
+@click.option("--same-bits", is_flag=True, help="Only whether an hour ends in the same bits.")
+@click.option("--side-by-side", is_flag=True, help="Only how fast many boats are flown at once.")
+@click.option("--footprint", is_flag=True, help="Only the words of machine code, beside 1969.")
+@click.option("--peers", is_flag=True, help="Only the tick beside JSBSim and scipy.")
+@click.option("--wasm", is_flag=True, help="Only an hour by the core for WebAssembly, in node.")
+@click.option("--identify", is_flag=True, help="Only how fast a ship is identified.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+def bench(*, vessel: str, seconds: int, as_json: bool, **parts: bool) -> None:
+    """Compare the trainer with other programs, and with the machine of 1969.
+
+    Without an option of a part it is all of them: some minutes.
+
+    \b
+    Example:  python -m tests.bench --against-c
+              python -m tests.bench --json > figures.json
+    """
+    chosen = [name for name, wanted in parts.items() if wanted] or list(SECTIONS)
+    wanted = Wanted(load_vessel(vessel), seconds)
+    figures, pages = measure_sections(SECTIONS, chosen, wanted)
+    click.echo(json.dumps(figures, indent=1) if as_json else "\n\n".join(pages))
+
+
+if __name__ == "__main__":
+    run_command(bench, "python -m tests.bench")

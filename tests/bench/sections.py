@@ -1,0 +1,43 @@
+"""The comparisons of the bench, by the options that ask for each alone."""
+
+from functools import partial
+from typing import Final
+
+from c_twin import comparison
+from c_twin.compiler import SAME_BITS, build
+
+from bench import control, fleet, footprint, identify, peers, wasm
+from trainer.analysis.bench import standard_hour
+from trainer.analysis.bench.sections import Section, or_left_out
+from trainer.analysis.bench.standard_hour import SameBits, fly_hour
+from trainer.boat.export.targets import NoCompilerError
+
+SAMPLES: Final = 2000  # of the records that are fitted
+
+
+def same_bits_as_c() -> SameBits:
+    """Return in what bits the standard hour ends, in C as well; NoCompilerError without one."""
+    in_c = {f"C, {way.name}": partial(fly_hour, build(way)) for way in SAME_BITS}
+    return standard_hour.same_bits(standard_hour.ways() | in_c)
+
+
+SECTIONS: Final = {
+    "against_c": or_left_out(
+        NoCompilerError,
+        Section(lambda wanted: comparison.against_c(wanted.file), comparison.lines),
+    ),
+    "beside_c": or_left_out(
+        NoCompilerError,
+        Section(lambda wanted: control.time_beside_c(wanted.seconds), control.lines),
+    ),
+    "same_bits": or_left_out(
+        NoCompilerError, Section(lambda _wanted: same_bits_as_c(), standard_hour.lines)
+    ),
+    "side_by_side": Section(lambda wanted: fleet.time_side_by_side(wanted.file), fleet.lines),
+    "footprint": Section(lambda _wanted: footprint.footprint(), footprint.lines),
+    "peers": Section(lambda wanted: peers.time_peers(wanted.file), peers.lines),
+    "wasm": or_left_out(
+        NoCompilerError, Section(lambda wanted: wasm.time_hour_in_node(wanted.file), wasm.lines)
+    ),
+    "identify": Section(lambda _wanted: identify.identify_speed(SAMPLES), identify.lines),
+}

@@ -1,0 +1,275 @@
+"""The plain C tick, compiled with a header of the trainer's records."""
+
+import ctypes
+import os
+import shlex
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.boat.assemble import Records
+from trainer.boat.export.targets import NoCompilerError
+from trainer.core import (
+    actuators,
+    attitude,
+    casualties,
+    elementary,
+    envelope,
+    kinematics,
+    noise,
+    scheme,
+    state,
+    surfaced,
+    update,
+    vessel,
+)
+from trainer.core.autopilot import (
+    ascent,
+    depth,
+    reference,
+    sections,
+    speed,
+    steering,
+    trimming,
+    waves,
+)
+from trainer.core.ballast import air, tanks
+from trainer.core.ballast import buoyancy as hull
+from trainer.core.ballast import hover as hovering
+from trainer.core.sea import cosine_sum, filter_1969, forces, wave_filter
+from trainer.core.sea import sea as sea_module
+from trainer.core.state import SCRATCH, STATE
+
+RECORDS: Final = {
+    "vessel": vessel.VESSEL,
+    "compact": vessel.COMPACT,
+    "scheme": scheme.SCHEME,
+    "state": STATE,
+    "scratch": SCRATCH,
+}
+TYPES: Final = {"f8": "double", "i8": "int64_t"}
+CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
+    (actuators, "AMIDSHIPS"),
+    (air, "CRITICAL THINNEST"),
+    (attitude, "HALF_TURN PHI POLAR TURN"),
+    (ascent, "AFLOAT BUBBLE EMERGENCY HELD_AFT MAIN MORE QUIET QUIET_PITCH QUIET_RATE RISING"),
+    (ascent, "STIFF SURFACED TAKEN_UP"),
+    (casualties, "AUTOPILOT_FAILED BIASED FOLLOW_UP_LOST FREE GYRO HARD_OVER LOG"),
+    (casualties, "PROPULSION_LOST PROPULSION_STUCK SLOW"),
+    (cosine_sum, "BANDS PART"),
+    (depth, "FAR LEAST_ASTERN SURE_ASTERN"),
+    (envelope, "BEYOND EXTRAPOLATED INSIDE MOST_SUBSTEPS OUTSIDE SUBSTEP SURFACE_SUBSTEP"),
+    (hull, "SEGMENT_SLOPE SMALL_SEGMENT"),
+    (kinematics, "LINEAR POLYNOMIAL STEEPEST"),
+    (filter_1969, "G_OF_TABLE HIGH_DAMPING KNOT LOW_DAMPING PEAK WIDEST"),
+    (forces, "DEEPEST FLOW HEAVE HEAVE_ADDED LAST_TRUE NUMBERS PITCH PITCH_ADDED RISE"),
+    (forces, "ROWS_PER_TURN SHALLOWEST SURGE SWAY SWAY_ADDED SWING YAW YAW_ADDED"),
+    (noise, "PARITY SEA_BANK SEA_FILTER SEA_FREQUENCY SEA_PHASE"),
+    (hovering, "AWAY CATCH SLOW_DAMPING SOON WAY"),
+    (sections, "KEPT"),
+    (reference, "APPROACH COURSE DEPTH DEPTH_SLEW LEASH"),
+    (scheme, "ADAMS"),
+    (speed, "ANSWERING FOLLOW PACE"),
+    (steering, "ASTERN BOW GAIN_COUNT HANDOVER PLANE_COUNT RUDDER RUDDER_GAINS SETTLED SLOWEST"),
+    (steering, "STANDS STERN"),
+    (state, "DEGREE SEA_COMPONENTS STRIPS STRIP_ROWS"),
+    (sea_module, "OMEGA"),
+    (tanks, "ATMOSPHERE AUXILIARY DEPTH_CONTROL DEPTH_CONTROL_PUMP DISCHARGE DRAIN_PUMP"),
+    (tanks, "EMERGENCY_BANK END FIRST_DRY MAIN_BANK NEGATIVE STATIONS TRIM_AFT TRIM_FORWARD"),
+    (tanks, "TRIM_PUMP"),
+    (trimming, "FLOODED GRADUAL HEAVY LEVELLING MOVED NEAR STEEP UNDER_WAY"),
+    (update, "FASTEST FASTEST_RATE FURTHEST"),
+    (surfaced, "HUMP"),
+    (vessel, "SURFACE_DEPTHS"),
+    (waves, "ABOVE BELOW BLEND COUNTED FADE FELT LAST NOTCHES SHORTEST"),
+    (wave_filter, "MOST_STEPS OUTPUTS PHASE_STEP SLOWEST_CLOCK"),
+)
+CASUALTY_TABLES: Final = ("SURFACE", "GAUGE", "FAULT", "PLACE", "SENSE", "HOLDS", "GAUGE_CODE")
+FILTER_TABLES: Final = ("MODES", "WAVE_ROWS", "FORCE_ROWS", "FORCE_DEPTHS", "LENGTHS")
+SUM_TABLES: Final = ("ANGLE_COS", "ANGLE_SIN", "WEIGHT")
+PILOT_TABLES: Final[dict[tuple[ModuleType, str], str]] = {
+    (ascent, "FAST"): "FAST",
+    (hovering, "DAMPING"): "HOVER_DAMPING",
+    (hovering, "INTEGRAL"): "HOVER_INTEGRAL",
+    (hovering, "SOFTER"): "SOFTER",
+    (speed, "MOST"): "MOST_TRIM",
+    (waves, "LIMITS"): "LIMITS",
+    (waves, "SOFT"): "SOFT",
+    (waves, "DAMPED"): "DAMPED",
+    (waves, "LEARNT"): "LEARNT",
+}
+CLASHING: Final[dict[tuple[ModuleType, str], str]] = {  # names that two modules have, in C
+    (ascent, "DAMPED"): "DAMPED_BUBBLE",
+    (ascent, "MOST"): "MOST_STERN",
+    (speed, "FAR"): "FAR_SPEED",
+    (trimming, "FREE"): "FREE_PLANES",
+    (trimming, "MEMORY"): "TRIM_MEMORY",
+    (hovering, "FURTHEST"): "HOVER_FURTHEST",
+    (hovering, "LONGEST"): "HOVER_LONGEST",
+    (hovering, "NEAR"): "HOVER_NEAR",
+    (hovering, "POLES"): "HOVER_POLES",
+    (hovering, "SLOW"): "HOVER_SLOW",
+    (hovering, "ZEROS"): "HOVER_ZEROS",
+    (sections, "LONGEST"): "LONGEST_STEP",
+    (waves, "MEMORY"): "WAVE_MEMORY",
+    (waves, "POLES"): "PLANE_POLES",
+    (waves, "ZEROS"): "PLANE_ZEROS",
+    (waves, "SLOW"): "SLOW_PITCH",
+}
+
+
+def header() -> str:
+    """Return the text of records.h."""
+    lines = ["/* Written from the layout of the trainer's records. */"]
+    lines += ["#include <stddef.h>", "#include <stdint.h>"]
+    for module, names in CONSTANTS:
+        lines += [f"#define {name} {getattr(module, name)!r}" for name in names.split()]
+    lines += [
+        *(_table(name, 1 * getattr(casualties, name), "int") for name in CASUALTY_TABLES),
+        *(_table(name, np.array(getattr(cosine_sum, name))) for name in SUM_TABLES),
+        _table("ARCTANGENT", elementary.ARCTANGENT),
+        _table("EIGHTHS", elementary.EIGHTHS),
+        _table("SIMILAR", np.array(filter_1969.SIMILAR)),
+        _table("TAPER", np.array(forces.TAPER)),
+        _table("FADING", forces.FADING),
+        _table("TABLE", filter_1969.TABLE),
+        *(_table(name, np.array(getattr(wave_filter, name))) for name in FILTER_TABLES),
+    ]
+    for (module, name), known in CLASHING.items():
+        lines.append(f"#define {known} {getattr(module, name)!r}")
+    for (module, name), known in PILOT_TABLES.items():
+        lines.append(_table(known, np.array(getattr(module, name))))
+    for name, dtype in RECORDS.items():
+        lines += _struct(name, dtype)
+    return "\n".join(lines) + "\n"
+
+
+def _table(name: str, values: np.ndarray, kind: str = "double") -> str:
+    """Return an array of constants."""
+    text = str(values.tolist()).replace("[", "{").replace("]", "}")
+    return f"static const {kind} {name}{_shape(values.shape)} = {text};"
+
+
+def _shape(shape: tuple[int, ...]) -> str:
+    """Return the extents of an array in C."""
+    return "".join(f"[{extent}]" for extent in shape)
+
+
+class Place(NamedTuple):
+    """A field of a record: its name, what it is, and where [bytes]."""
+
+    name: str
+    kind: np.dtype
+    offset: int
+
+    @property
+    def declared(self) -> str:
+        """Return the field as a member in C."""
+        return f"{TYPES[self.kind.base.str[1:]]} {self.name}{_shape(self.kind.shape)};"
+
+
+def _places(dtype: np.dtype) -> list[Place]:
+    """Return the fields as they lie, a block before the numbers that it is made of."""
+    fields = (dtype.fields or {}).items()
+    places = [Place(name, at[0], at[1]) for name, at in fields if name != "whole"]
+    return sorted(places, key=lambda place: (place.offset, -place.kind.itemsize))
+
+
+def _struct(name: str, dtype: np.dtype) -> list[str]:
+    """Return a record as a struct; blocks lie over the numbers that they are made of.
+
+    The compiler refuses it where it is not laid out like the record.
+    """
+    places, block_ends = _places(dtype), 0
+    lines = [f"struct {name} {{", "union { struct {"]
+    for place, after in zip(places, [*places[1:], None], strict=True):
+        follows = after.offset if after else dtype.itemsize
+        if place.kind.shape and follows == place.offset:
+            block_ends = place.offset + place.kind.itemsize
+            lines.append(f"union {{ {place.declared} struct {{")
+        else:
+            lines.append(place.declared)
+        if block_ends and follows >= block_ends:
+            lines.append("}; };")
+            block_ends = 0
+    whole = f"double whole[{dtype.itemsize // 8}];" if "whole" in (dtype.names or ()) else ""
+    lines += [f"}}; {whole} }};", "};", _assertion(f"sizeof(struct {name})", dtype.itemsize)]
+    return lines + [_assertion(f"offsetof(struct {name}, {p.name})", p.offset) for p in places]
+
+
+def _assertion(expression: str, value: int) -> str:
+    """Return what makes the compiler refuse another value [bytes]."""
+    return f'_Static_assert({expression} == {value}, "not laid out like the record");'
+
+
+SOURCES: Final = Path(__file__).parent
+COMMON: Final = ("-std=gnu11", "-fPIC", "-shared")
+
+Ticks = Callable[[Records, int], int]  # so many ticks of a boat; the status of the last
+
+
+class Build(NamedTuple):
+    """One way to compile it."""
+
+    name: str
+    flags: tuple[str, ...]
+
+
+# gcc 12 fuses a product and a sum in pairs that it finds by SLP, also where it is told not to
+STRICT: Final = ("-O3", "-march=native", "-ffp-contract=off", "-fno-tree-slp-vectorize")
+BUILDS: Final = (
+    Build("gcc -O3", ("-O3",)),
+    Build("strict, for this processor", STRICT),
+    Build("contracted, for this processor", ("-O3", "-march=native", "-ffp-contract=fast")),
+)
+SAME_BITS: Final = BUILDS[:2]  # the third is another arithmetic
+
+
+def compiler() -> list[str]:
+    """Return the C compiler's command, CC or gcc or cc; NoCompilerError without one."""
+    asked = os.environ.get("CC")
+    for command in [asked] if asked else ["gcc", "cc"]:
+        words = shlex.split(command)
+        if words and shutil.which(words[0]):
+            return words
+    named = f"CC is {asked!r}, which is not here" if asked else "neither gcc nor cc is here"
+    raise NoCompilerError(f"no C was compiled: {named}; install one, or name it by CC")
+
+
+def version() -> str:
+    """Return what the compiler calls itself."""
+    done = subprocess.run([*compiler(), "--version"], capture_output=True, text=True, check=False)
+    return done.stdout.partition("\n")[0] or compiler()[0]
+
+
+def compile_source(source: Path, flags: Sequence[str]) -> ctypes.CDLL:
+    """Return ``source`` compiled and loaded; NoCompilerError if that cannot be done."""
+    with tempfile.TemporaryDirectory(prefix="trainer-") as folder:
+        library = Path(folder) / "compiled.so"
+        words = [*compiler(), *COMMON, *flags, str(source), "-o", str(library), "-lm"]
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise NoCompilerError(f"{source.name} was not compiled: {done.stderr.strip()}")
+        return ctypes.CDLL(str(library))  # which stays when its file goes
+
+
+def build(way: Build) -> Ticks:
+    """Return the tick in C, compiled and loaded; NoCompilerError if that cannot be done."""
+    with tempfile.TemporaryDirectory(prefix="trainer-") as folder:
+        (Path(folder) / "records.h").write_text(header(), encoding="ascii")
+        take_ticks = compile_source(SOURCES / "tick.c", [*way.flags, f"-I{folder}"]).take_ticks
+    address, number = ctypes.c_void_p, ctypes.c_int64
+    take_ticks.argtypes = [address, address, address, number, address, address]
+    take_ticks.restype = number
+
+    def ticks(records: Records, count: int) -> int:
+        vessel, compact, scheme, state, scratch = (each.ctypes.data for each in records)
+        return int(take_ticks(vessel, compact, scheme, count, state, scratch))
+
+    return ticks

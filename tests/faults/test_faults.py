@@ -1,0 +1,86 @@
+"""A few of every fault lose nothing, and what would be wrong is seen."""
+
+import dataclasses
+import os
+import random
+from collections.abc import Iterator
+
+import pytest
+
+from faults import faults, recordings
+from faults.rig import Bench, ForkServer, Tried
+
+posix = pytest.mark.skipif(os.name != "posix", reason="signals and forks of POSIX")
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
+    with ForkServer() as nursery:
+        dice = random.Random(1969)  # noqa: S311  instants, not secrets
+        yield Bench(nursery, tmp_path_factory.mktemp("f"), dice)
+
+
+@posix
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("fault", "times"),
+    [
+        (faults.kill_sessions, 3),  # type: ignore[attr-defined]
+        (faults.damage_last_page, 10),  # type: ignore[attr-defined]
+        (faults.stop_session, 2),  # type: ignore[attr-defined]
+        (faults.unplug, 2),
+        (faults.full, 2),  # type: ignore[attr-defined]
+        (faults.full_disk, 1),  # type: ignore[attr-defined]
+        (faults.lock_recording, 1),  # type: ignore[attr-defined]
+        (faults.relieve_disk, 1),  # type: ignore[attr-defined]
+        (faults.take_disk_away, 1),  # type: ignore[attr-defined]
+        (faults.clock_set, 2),  # type: ignore[attr-defined]
+        (faults.console_killed, 1),  # type: ignore[attr-defined]
+    ],
+)
+def test_a_fault_loses_nothing_that_is_journalled(
+    bench: Bench, fault: faults.Fault, times: int
+) -> None:
+    tried = fault(bench, times)
+    assert not tried.wrong, tried
+    assert tried.times == times or "not tried" in str(tried.seen)
+
+
+DAMAGED = 3  # recordings of each way; `python -m tests.faults --damaged 2000` opens more
+
+
+@pytest.fixture(scope="module")
+def good_recording(bench: Bench) -> bytes:
+    return recordings.make_recording(bench)
+
+
+@posix
+@pytest.mark.long
+@pytest.mark.parametrize("way", recordings.DAMAGES, ids=lambda way: way.__name__)
+def test_a_damaged_recording_is_told_in_a_line_or_read_as_it_is(
+    bench: Bench, good_recording: bytes, way: recordings.Damage
+) -> None:
+    own = dataclasses.replace(bench, dice=random.Random(1969))  # noqa: S311  the same every time
+    tried = recordings.open_damaged(own, good_recording, way, DAMAGED)
+    assert not tried.wrong, tried
+    assert sum(tried.seen.values()) == DAMAGED * len(recordings.COMMANDS)
+
+
+@posix
+@pytest.mark.long
+def test_a_command_that_ends_with_a_traceback_or_without_end_is_seen(bench: Bench) -> None:
+    tried = Tried("recording", "told in a line")
+    recordings.judge(bench, tried, ("list", "--no-such"))
+    assert tried.wrong == []
+    assert tried.seen == {"told as damaged": 1}
+    loop = ("run", "--headless", "--speed", "max", "--duration", "90000h")
+    recordings.judge(bench, tried, loop, seconds=1)
+    assert "run ended with -24" in tried.wrong[0]
+
+
+def test_what_is_wrong_is_on_the_page() -> None:
+    tried = Tried("kill -9", "no order is lost", times=3)
+    tried.must(held=False, otherwise="2 written, 3 answered")
+    told = faults.fault_row(tried)
+    assert "1 WRONG" in told
+    assert "3: 2 written, 3 answered" in told

@@ -1,0 +1,276 @@
+"""A session in its own process, and a program at its socket that gives orders."""
+
+import contextlib
+import itertools
+import json
+import re
+import socket
+import subprocess
+import sys
+import threading
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Final
+
+import click
+from helpers.places import tests_environment
+
+from trainer.io.orders.sentences import Sentence, order_sentence, read
+from trainer.session.options import RunOptions
+from trainer.session.plan import plan_run
+from trainer.session.run import run_boat
+from trainer.session.time.ledger import SECOND
+from trainer.session.time.pacer import Clock, MonotonicClock
+
+ANSWER: Final = 30.0  # [s] for an answer
+RESET: Final = b"\1\0\0\0\0\0\0\0"  # linger 0: the line is cut, not closed
+
+
+class GoneError(Exception):
+    """The session has closed the line, or does not answer."""
+
+
+class Caller:
+    """One line to a session on this machine."""
+
+    def __init__(self, at: int | Path, patience: float = ANSWER) -> None:
+        """Dial a port of this machine, or a local socket; GoneError if nobody answers."""
+        self.shown: dict[str, tuple[str, ...]] = {}  # the latest values of each channel
+        self.said: list[str] = []  # the lines of the last long answer
+        self.news: list[Sentence] = []  # what has happened, until somebody takes it
+        self._tags = itertools.cycle(range(1, 1_000_000))
+        try:
+            self._line = _dial(at, patience)
+        except OSError as error:
+            raise GoneError(str(error)) from None
+        self._lines = self._line.makefile(encoding="ascii", errors="replace")
+
+    @property
+    def name(self) -> str:
+        """Return what the session calls the line."""
+        host, port = self._line.getsockname()
+        return f"tcp {host}:{port}"
+
+    def ask(self, words: str) -> tuple[bool, str]:
+        """Give an order; return whether it was obeyed, and the answer."""
+        tag = str(next(self._tags))
+        self.said = []
+        try:
+            self._line.sendall(f"{order_sentence(words, tag)}\n".encode("ascii"))
+            for text in self._lines:
+                said = read(text)
+                if said and (said.kind, said.tag) == ("TRA", tag) and said.fields[0] != "say":
+                    return said.fields[0] == "ok", said.fields[1]
+                self._take(said, tag)
+        except OSError as error:
+            raise GoneError(str(error)) from None
+        raise GoneError("the session has closed the line")
+
+    @property
+    def tick(self) -> int:
+        """Return the latest tick that the session has told."""
+        return max((int(values[0]) for values in self.shown.values()), default=0)
+
+    def hang_up(self) -> None:
+        """Leave without a word."""
+        self._lines.close()
+        self._line.close()
+
+    def cut(self) -> None:
+        """Leave as a machine does that loses power: what is under way is lost."""
+        with contextlib.suppress(OSError):
+            self._line.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
+        self.hang_up()
+
+    def _take(self, said: Sentence | None, tag: str) -> None:
+        """Keep what the session says by itself, and the lines of the answer that is awaited."""
+        if said and (said.kind, said.tag) == ("TRA", tag):
+            self.said.append(said.fields[1])
+        elif said and said.kind == "TRS":
+            self.shown[said.fields[0]] = said.fields[1:]
+        elif said and said.kind == "TRE":
+            self.news.append(said)
+
+
+def _dial(at: int | Path, patience: float) -> socket.socket:
+    if isinstance(at, int):
+        return socket.create_connection(("127.0.0.1", at), timeout=patience)
+    line = socket.socket(socket.AF_UNIX)
+    line.settimeout(patience)
+    try:
+        line.connect(str(at))
+    except OSError:
+        line.close()
+        raise
+    return line
+
+
+PATIENCE: Final = 120.0  # [s] to listen: a first start compiles
+STATUS: Final = re.compile(r"VmRSS:\s+(\d+) kB")
+
+
+class StartError(Exception):
+    """A session that does not listen; the text is what it said."""
+
+
+class SessionProcess:
+    """One session, that is recorded and listens at a port of this machine."""
+
+    def __init__(self, *words: str) -> None:
+        """Start `trainer serve` with these words and wait until it listens; StartError."""
+        listening = ("--listen", "127.0.0.1:0", "--socket", "none", "--verbose")
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", PROGRAM, *words, *listening],
+            env=tests_environment(),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self.told: list[str] = []  # on stderr
+        self.account: list[str] = []  # on stdout
+        self.port = 0
+        self._heard = threading.Event()
+        self._readers = [
+            threading.Thread(target=read, daemon=True) for read in (self._listen, self._keep)
+        ]
+        for reader in self._readers:
+            reader.start()
+        if not self._heard.wait(PATIENCE) or not self.port:
+            code = self.process.poll()
+            self.kill()
+            raise StartError(
+                "\n".join(self.told) or f"the session does not listen, exit code {code}"
+            )
+
+    def caller(self, role: str) -> Caller:
+        """Return a line to it that has taken a role; GoneError if it has gone."""
+        caller = Caller(self.port)
+        with contextlib.ExitStack() as unless_good:
+            unless_good.callback(caller.hang_up)
+            caller.ask(f"role {role}")
+            unless_good.pop_all()
+        return caller
+
+    @property
+    def running(self) -> bool:
+        """Return whether it has not ended."""
+        return self.process.poll() is None
+
+    def memory(self) -> int:
+        """Return its memory [kB]. 0: the system does not tell, or it has ended."""
+        try:
+            text = Path(f"/proc/{self.process.pid}/status").read_text(encoding="ascii")
+        except OSError:
+            return 0
+        found = STATUS.search(text)
+        return int(found[1]) if found else 0
+
+    def ended(self, patience: float) -> int:
+        """Wait for its end; return its exit code, TimeoutExpired if it does not come."""
+        code = self.process.wait(patience)
+        for reader in self._readers:
+            reader.join()
+        self._close()
+        return code
+
+    def kill(self) -> None:
+        """End it at this instant."""
+        self.process.kill()
+        self.ended(PATIENCE)
+
+    def _close(self) -> None:
+        for stream in (self.process.stdout, self.process.stderr):
+            if stream:
+                stream.close()
+
+    def _listen(self) -> None:
+        for line in self.process.stderr or ():
+            self.told.append(line.rstrip())
+            if "listening at tcp" in line:
+                self.port = int(line.rpartition(":")[2])
+                self._heard.set()
+        self._heard.set()
+
+    def _keep(self) -> None:
+        for line in self.process.stdout or ():
+            self.account.append(line.rstrip())
+
+
+# A session whose clock is watched by another: `trainer serve`, and what its deadlines were.
+#
+# It is given that command, since the proofs lie below the commands. The last line of its output is
+# a JSON object: how many deadlines were waited for, how many of them were not a whole number of
+# steps after the first, to the nanosecond, and the largest deviation.
+
+
+@dataclass
+class Deadlines:
+    """The readings of a witness."""
+
+    seen: int = 0  # deadlines that differ from the one before
+    adrift: int = 0  # of them, not first + k h rounded down, for any whole k
+    furthest_ns: int = 0
+
+
+class WatchedClock:
+    """A clock that notes every deadline it is asked to wait for; for one thread."""
+
+    def __init__(self, clock: Clock, period: Fraction) -> None:
+        """Watch ``clock``; deadlines are to be ``period`` [ns] apart."""
+        self.deadlines = Deadlines()
+        self._clock = clock
+        self._period = period
+        self._first: int | None = None
+        self._last = 0
+
+    def now(self) -> int:
+        """Return the time [ns]."""
+        return self._clock.now()
+
+    def cpu(self) -> int:
+        """Return the processor time [ns] used by the calling thread."""
+        return self._clock.cpu()
+
+    def wait_until(self, deadline: int, wake: threading.Event) -> int:
+        """Wait as the clock does; note the deadline."""
+        if deadline != self._last:
+            self._note(deadline)
+        return self._clock.wait_until(deadline, wake)
+
+    def _note(self, deadline: int) -> None:
+        self._first = deadline if self._first is None else self._first
+        self._last = deadline
+        self.deadlines.seen += 1
+        cycles = round((deadline - self._first) / self._period)
+        off = deadline - self._first - int(cycles * self._period)
+        if off:
+            self.deadlines.adrift += 1
+            self.deadlines.furthest_ns = max(self.deadlines.furthest_ns, abs(off))
+
+
+PROGRAM: Final = """
+from trainer.cli.run import serve
+from soak.session_process import attest
+attest(serve)
+"""
+
+
+def options_of(serve: click.Command, words: list[str]) -> RunOptions:
+    """Return the options that `trainer serve` makes of its words."""
+    context = serve.make_context("serve", words)
+    source = context.get_parameter_source
+    default = click.core.ParameterSource.DEFAULT
+    given = frozenset(name for name in context.params if source(name) is not default)
+    return RunOptions(**context.params, given=given, headless=True, serve=True)
+
+
+def attest(serve: click.Command) -> None:
+    """Serve as the arguments say. Print what the clock was asked for; leave with its exit code."""
+    options = options_of(serve, sys.argv[1:])
+    period = Fraction(str(plan_run(options).method.step)) * SECOND
+    witness = WatchedClock(MonotonicClock(), period)
+    code = run_boat(options, witness)
+    click.echo(json.dumps(asdict(witness.deadlines)))
+    sys.exit(code)

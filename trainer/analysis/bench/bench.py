@@ -1,0 +1,342 @@
+"""``trainer bench`` measures a tick's cost on this machine, and the size of records.
+
+A tick in real time is measured by the ledger of the session itself, without the waiting. It finds
+caches and processor as half a second of sleep leaves them. The hot figures are the same work back
+to back: medians of batches, each long against the clock that times it.
+"""
+
+import math
+import os
+import platform
+import re
+import sys
+import textwrap
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import click
+import numba
+import numpy as np
+from llvmlite import binding  # type: ignore[import-untyped]
+
+from trainer.analysis.bench.session_tick import (
+    SPEED,
+    Attended,
+    Latency,
+    run_to,
+    session_of,
+    temporary,
+    time_attended,
+    time_orders,
+)
+from trainer.analysis.bench.tick import (
+    BATCH_NS,
+    BATCHES,
+    STANDARD,
+    Troubled,
+    Update,
+    ready,
+    time_troubled,
+    time_update,
+)
+from trainer.boat.boat import Boat
+from trainer.config.vessel import VesselFile
+from trainer.core.scheme import SCHEME
+from trainer.core.state import SCRATCH, STATE
+from trainer.core.vessel import COMPACT, VESSEL
+from trainer.io.recording.absence import NoRecording
+from trainer.io.recording.recording import Recording
+from trainer.session.time.ledger import Spread, Summary
+
+DUTY_1969: Final = {0.5: 38.0, 1.0: 19.0}  # [%] by step [s], of the modified set in 1969
+WORDS_1969: Final = 8192  # [16-bit words] the memory of 1969
+RECORDS: Final = {
+    "state": STATE,
+    "vessel": VESSEL,
+    "compact": COMPACT,
+    "scheme": SCHEME,
+    "scratch": SCRATCH,
+}
+HOT: Final = (
+    STANDARD,
+    ("full", "exact", "adams2"),
+    ("full", "exact", "rk4"),
+)
+
+
+@dataclass(frozen=True)
+class Machine:
+    """The conditions of the figures."""
+
+    cpu_model: str
+    cpu_target: str  # the compiler's name of its kind
+    cpu_count: int
+    system: str
+    python: str
+    numpy: str
+    numba: str
+
+
+@dataclass(frozen=True)
+class Paced:
+    """Ticks in real time, recorded, with a console attached; the waiting excluded."""
+
+    step_s: float
+    ticks: int
+    duty_cycle_percent: float
+    duty_cycle_1969_percent: float
+    times_less_than_1969: float
+    unrecorded_percent: float  # the duty cycle of as many ticks more, without a recording
+    work: Spread
+    lateness: Spread
+    samples_from_p99_up: int  # so few ticks each percentile rests on
+    samples_from_p999_up: int
+    overruns: int
+    caught_up: int
+    skipped: int
+    gaps: int
+
+
+@dataclass(frozen=True)
+class Size:
+    """The size of a record."""
+
+    bytes: int
+    words_of_16_bits: int
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Everything that was measured."""
+
+    vessel: str
+    machine: Machine
+    real_time: tuple[Paced, ...]
+    updates: tuple[Update, ...]
+    troubled: Troubled
+    attended: Attended
+    latency: Latency
+    sizes: dict[str, Size]
+    memory_1969_words_of_16_bits: int
+
+
+def bench(file: VesselFile, seconds: int) -> Figures:
+    """Return the figures of a boat.
+
+    It takes twice ``seconds`` [s] of real time at each step of 1969.
+
+    For as long it is steered over TCP. ConfigError if the boat cannot fly straight, or loses its
+    numbers at such a step.
+    """
+    ordered = ready(file, HOT[0], file.run.step_s)
+    twice = (*DUTY_1969, *DUTY_1969, file.run.step_s / SPEED)  # recorded, and not
+    length = sum(round(seconds / step) for step in twice)
+    quiet = not sys.stderr.isatty()
+    with click.progressbar(length=length, label="ticking", file=sys.stderr, hidden=quiet) as bar:
+        paced = tuple(
+            pace(ready(file, HOT[0], step), seconds, lambda _tick: bar.update(1))
+            for step in DUTY_1969
+        )
+        latency = time_orders(ordered, seconds, lambda _tick: bar.update(1))
+    return Figures(
+        vessel=file.name,
+        machine=this_machine(),
+        real_time=paced,
+        updates=tuple(time_update(ready(file, way, file.run.step_s)) for way in HOT),
+        troubled=time_troubled(file, HOT[0]),
+        attended=time_attended(lambda: ready(file, HOT[0], file.run.step_s)),
+        latency=latency,
+        sizes={name: Size(kind.itemsize, kind.itemsize // 2) for name, kind in RECORDS.items()},
+        memory_1969_words_of_16_bits=WORDS_1969,
+    )
+
+
+def pace(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Paced:
+    """Return what became of the ticks of ``seconds`` [s] of real time."""
+    step = boat.method.step
+    ticks = round(seconds / step)
+
+    def kept(recording: Recording | NoRecording, last_tick: int) -> Summary:
+        with session_of(boat, 1.0, recording, ("teletype",)) as session:
+            session.progress = progress
+            run_to(session, last_tick)
+        return session.time.ledger.summary()
+
+    ledger = kept(temporary(boat), ticks)
+    unrecorded = kept(NoRecording(), 2 * ticks)
+    percent = 100.0 * ledger.duty_cycle
+    return Paced(
+        step_s=step,
+        ticks=ledger.ticks,
+        duty_cycle_percent=percent,
+        duty_cycle_1969_percent=DUTY_1969[step],
+        times_less_than_1969=DUTY_1969[step] / percent,
+        unrecorded_percent=100.0 * unrecorded.duty_cycle,
+        work=ledger.work,
+        lateness=ledger.lateness,
+        samples_from_p99_up=samples_up(ledger.ticks, 990),
+        samples_from_p999_up=samples_up(ledger.ticks, 999),
+        overruns=ledger.overruns,
+        caught_up=ledger.caught_up,
+        skipped=ledger.skipped,
+        gaps=ledger.gaps,
+    )
+
+
+def samples_up(samples: int, permille: int) -> int:
+    """Return how many of so many samples are not below the percentile."""
+    return samples - math.ceil(samples * permille / 1000) + 1
+
+
+def this_machine() -> Machine:
+    """Return what the figures hold for."""
+    return Machine(
+        cpu_model=cpu_model(Path("/proc/cpuinfo")),
+        cpu_target=binding.get_host_cpu_name(),
+        cpu_count=os.cpu_count() or 1,
+        system=platform.platform(terse=True),
+        python=platform.python_version(),
+        numpy=np.__version__,
+        numba=numba.__version__,
+    )
+
+
+def cpu_model(listing: Path) -> str:
+    """Return the processor's name in the ``listing`` of a Linux kernel, or the next best."""
+    text = listing.read_text(encoding="utf-8") if listing.exists() else ""
+    found = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+    return found[1].strip() if found else platform.processor() or platform.machine()
+
+
+# The page for a terminal, 79 columns of ASCII
+
+
+WIDTH = 79
+
+
+def render(figures: Figures) -> str:
+    """Return the figures as text."""
+    machine = figures.machine
+    versions = f"python {machine.python}, numpy {machine.numpy}, numba {machine.numba}"
+    lines = [
+        *_wrap(figures.vessel),
+        *_wrap(f"{machine.cpu_model} ({machine.cpu_target}), {machine.cpu_count} processors"),
+        *_wrap(f"{machine.system}, {versions}"),
+        *_real_time(figures.real_time),
+        *_updates(figures.updates),
+        *_extra_cost(figures.troubled),
+        *_session_cost(figures.attended),
+        *_latency(figures.latency),
+        *_sizes(figures.sizes, figures.memory_1969_words_of_16_bits),
+    ]
+    return "\n".join(lines).encode("ascii", errors="replace").decode("ascii")
+
+
+def _wrap(text: str) -> list[str]:
+    """Return ``text`` in lines of the page."""
+    return textwrap.wrap(text, WIDTH, subsequent_indent="  ")
+
+
+def _real_time(paced: Iterable[Paced]) -> list[str]:
+    """Return duty cycle, work and punctuality at each step."""
+    lines = ["", "REAL TIME (modified set, lagged rates, adams2, a console; waiting is not work)"]
+    for run in paced:
+        duty = f"duty cycle {run.duty_cycle_percent:.4f} %"
+        then = f"1969: {run.duty_cycle_1969_percent:g} %, {run.times_less_than_1969:.0f} times that"
+        p99, p999 = _longest(run.samples_from_p99_up), _longest(run.samples_from_p999_up)
+        missed = f"overruns {run.overruns}, caught up {run.caught_up}, slipped {run.skipped}"
+        lines += [
+            f"  step {run.step_s:g} s: {duty} ({then})",
+            f"    {'[us]':<14}{'median':>10}{'99 %':>10}{'99.9 %':>10}{'most':>10}",
+            _spread("work a tick", run.work),
+            _spread("lateness", run.lateness),
+            f"    {run.ticks} ticks: 99 % rests on the {p99}, 99.9 % on the {p999}",
+            f"    {missed}, gaps {run.gaps}",
+            f"    duty cycle of as many ticks without the recording {run.unrecorded_percent:.4f} %",
+        ]
+    return lines
+
+
+def _spread(name: str, spread: Spread) -> str:
+    """Return a row of percentiles [us]."""
+    times = (spread.p50_ns, spread.p99_ns, spread.p999_ns, spread.max_ns)
+    return f"    {name:<14}" + "".join(f"{time / 1e3:>10.1f}" for time in times)
+
+
+def _longest(count: int) -> str:
+    """Return in words so many of the longest."""
+    return "longest one" if count == 1 else f"{count} longest"
+
+
+def _updates(updates: Iterable[Update]) -> list[str]:
+    """Return what an update costs, called and in a loop."""
+    lines = [
+        "",
+        f"UPDATE, HOT ([ns], medians of {BATCHES} batches of {BATCH_NS / 1e6:g} ms or more)",
+        f"  {'':<26}{'from Python':>12}{'in a kernel':>12}{'crossing':>10}{'ticks a batch':>16}",
+    ]
+    for update in updates:
+        name = f"{update.equations} {update.rates} {update.integrator}"
+        ticks = f"{update.called.repetitions}/{update.in_kernel.repetitions}"
+        lines.append(
+            f"  {name:<26}{update.called.median_ns:>12.0f}{update.in_kernel.median_ns:>12.0f}"
+            f"{update.crossing_ns:>10.0f}{ticks:>16}"
+        )
+    return [
+        *lines,
+        "  (crossing: the difference of the two least, which the machine disturbs least)",
+    ]
+
+
+def _extra_cost(troubled: Troubled) -> list[str]:
+    """Return what sea, tanks and casualties add to an update."""
+    return [
+        f"  with a sea, tanks at work and six casualties {troubled.troubled.median_ns:.0f}",
+        f"  ({troubled.times_the_calm:.2f} times the calm one)",
+    ]
+
+
+def _session_cost(attended: Attended) -> list[str]:
+    """Return what a tick of the session costs, by what attends to it."""
+    names = ("boat", "bare session", "recorded", "5 subscribers", "a CSV row")
+    costs = (
+        *(attended.boat, attended.bare, attended.recorded, attended.subscribed),
+        attended.csv_row,
+    )
+    return [
+        "",
+        "TICK OF A SESSION, HOT ([ns], likewise; modified lagged adams2)",
+        "        " + "".join(f"{name:>14}" for name in names),
+        "  median" + "".join(f"{cost.median_ns:>14.0f}" for cost in costs),
+        "  least " + "".join(f"{cost.least_ns:>14.0f}" for cost in costs),
+        (
+            "  (recorded, with five subscribers at 10 Hz: "
+            f"{attended.times_the_bare:.2f} times the bare session)"
+        ),
+    ]
+
+
+def _latency(latency: Latency) -> list[str]:
+    """Return how soon orders over TCP are answered and act."""
+    most = latency.ticks_to_effect_most
+    effect = f"{most} tick{'s' * (most != 1)} at most" if most else "none: this boat has no rudder"
+    period = f"{1e3 * latency.tick_s:g} ms"
+    return [
+        "",
+        f"ORDERS OVER TCP (five subscribers, time x{SPEED:g}: a tick each {period})",
+        f"    {'[us]':<14}{'median':>10}{'99 %':>10}{'99.9 %':>10}{'most':>10}",
+        _spread("reply", latency.reply),
+        f"    {latency.orders} orders; from order to effect: {effect}",
+    ]
+
+
+def _sizes(sizes: dict[str, Size], memory: int) -> list[str]:
+    """Return the sizes of the records."""
+    lines = ["", "RECORDS", f"  {'':<14}{'bytes':>8}{'16-bit words':>14}"]
+    for name, size in sizes.items():
+        lines.append(f"  {name:<14}{size.bytes:>8}{size.words_of_16_bits:>14}")
+    total = sum(size.bytes for size in sizes.values())
+    lines.append(f"  {'all':<14}{total:>8}{total // 2:>14}   of {memory} words in 1969")
+    return lines

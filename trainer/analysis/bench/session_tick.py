@@ -1,0 +1,223 @@
+"""The cost of a session's tick, and the delay of an order over TCP."""
+
+import contextlib
+import itertools
+import math
+import os
+import random
+import socket
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.bench.tick import Batches, time_batches
+from trainer.boat.boat import Boat
+from trainer.config.files import ConfigError
+from trainer.core.state import STATE
+from trainer.io.line import Joined, Outbox, writer
+from trainer.io.orders.sentences import order_sentence, read
+from trainer.io.recording.absence import NoRecording
+from trainer.io.recording.recording import Recording
+from trainer.io.server import Server
+from trainer.io.tables import COLUMNS, CsvFile, NoFile
+from trainer.session.history import History
+from trainer.session.session import Session
+from trainer.session.stations.roles import Access
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Publisher, Roster
+from trainer.session.stations.view import StateReader
+from trainer.session.time.ledger import Histogram, Spread
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
+
+SUBSCRIBERS: Final = ("steering", "diving", "tanks", "motion", "gauges")
+RATE: Final = 10.0  # [Hz]
+PATIENCE: Final = 0.5  # [s] for the last lines
+
+
+@dataclass(frozen=True)
+class Attended:
+    """The cost of a tick at full speed, by what attends to it."""
+
+    boat: Batches  # the core alone
+    bare: Batches  # a session with nothing attached
+    csv_row: Batches  # and so much more for a row of a CSV file
+    recorded: Batches
+    subscribed: Batches  # recorded, and five subscribers at 10 Hz
+    times_the_bare: float  # least over least: interference only adds
+
+
+@contextlib.contextmanager
+def session_of(
+    boat: Boat, speed: float, recording: Recording | NoRecording, channels: tuple[str, ...]
+) -> Iterator[Session]:
+    """Yield a session whose stations, one for each channel, are told to nobody."""
+    keeping = Timekeeping.at(MonotonicClock(), boat.method.step, speed, Policy.CATCH_UP)
+    publisher = Publisher(Roster(StateReader(boat, keeping.ledger.summary)))
+    session = Session(boat, keeping, History(boat, recording), NoFile(), (), publisher)
+    with Path(os.devnull).open("wb", buffering=0) as sink, contextlib.closing(recording):
+        for channel in channels:
+            out = Outbox(writer(sink.fileno()))
+            line = Joined(channel, None, out)
+            station = Station(line, Access("instructor"), publisher, session.event_log.log)
+            station.wishes.begin(channel, RATE, station.role, machine=channel != "teletype")
+            session.event_log.stations.append(station)
+        try:
+            yield session
+        finally:
+            publisher.close(PATIENCE)
+            for station in session.event_log.stations:
+                station.close(PATIENCE)
+
+
+def run_to(session: Session, tick: int) -> None:
+    """Run up to ``tick``; ConfigError if the boat loses its numbers before."""
+    session.last_tick = tick
+    session.run()
+    if session.control.failure:
+        method = session.boat.method
+        raise ConfigError(
+            f"{session.boat.file.path.name} has no place in a benchmark at a step of "
+            f"{method.step:g} s with {method.integrator}: {session.control.failure}"
+        )
+
+
+def temporary(boat: Boat) -> Recording:
+    """Return a recording that is gone when closed."""
+    return Recording.create(None, {}, boat.records.state.tobytes())
+
+
+def time_attended(make: Callable[[], Boat]) -> Attended:
+    """Return the cost of a tick of boats under way, by what attends to it."""
+    alone, bare, recorded, subscribed = (make() for _ in range(4))
+    rows = CsvFile(Path(os.devnull), 1)  # each row at once, as in real time
+
+    def whole(session: Session) -> Callable[[int], None]:
+        return lambda count: run_to(session, int(session.boat.state.tick) + count)
+
+    def tick(count: int) -> None:
+        for _ in range(count):
+            alone.tick()
+
+    def row(count: int) -> None:
+        for _ in range(count):
+            rows.row(alone.numbers(COLUMNS))
+
+    with contextlib.closing(rows), contextlib.ExitStack() as stack:
+        sessions = [
+            stack.enter_context(session_of(boat, math.inf, recording, channels))
+            for boat, recording, channels in (
+                (bare, NoRecording(), ()),
+                (recorded, temporary(recorded), ()),
+                (subscribed, temporary(subscribed), SUBSCRIBERS),
+            )
+        ]
+        costs = time_batches([tick, row, *(whole(session) for session in sessions)])
+    boat_cost, row_cost, *rest = costs
+    ratio = rest[2].least_ns / rest[0].least_ns
+    return Attended(boat_cost, rest[0], row_cost, rest[1], rest[2], ratio)
+
+
+# The delay of an order over TCP, to its answer and to its effect.
+
+
+SPEED: Final = 10.0  # [-] of time, so that a minute has orders enough
+PAUSE: Final = 1.0, 2.0  # [ticks] between orders: anywhere within a tick, and one for each at least
+HOST: Final = "127.0.0.1"
+ORDERS: Final = ("rudder left full", "rudder right full")
+
+
+@dataclass(frozen=True)
+class Latency:
+    """The results of a helmsman's orders at a TCP port."""
+
+    orders: int
+    tick_s: float  # between ticks
+    reply: Spread  # from the order to its answer
+    ticks_to_effect_most: int  # until the rudder moved as ordered; 0 if the boat has none
+
+
+@dataclass
+class Callers:
+    """Those who come in at a port."""
+
+    hub: Server
+    session: Session
+    awaited: bool = True
+
+    def newcomers(self) -> list[Station]:
+        """Return those that have come since the last call."""
+        log = self.session.event_log.log
+        sending = self.session.sending
+        return [Station(line, Access(), sending, log) for line in self.hub.newcomers()]
+
+
+def time_orders(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Latency:
+    """Return what became of a helmsman's orders in ``seconds`` [s], the session well attended.
+
+    He is a thread of this process: what he costs is in the figures. ConfigError if the boat loses
+    its numbers.
+    """
+    period = boat.method.step / SPEED
+    recording, replies = temporary(boat), Histogram()
+    with contextlib.ExitStack() as stack:
+        session = stack.enter_context(session_of(boat, SPEED, recording, SUBSCRIBERS))
+        hub = Server(session.wake)
+        helmsman = stack.enter_context(ThreadPoolExecutor(1))
+        stack.callback(hub.close, PATIENCE)
+        session.reception = Callers(hub, session)
+        session.progress = progress
+        steered = helmsman.submit(steer, hub.listen(HOST, 0), period, replies)
+        run_to(session, round(seconds / period))
+        hub.close(PATIENCE)
+        return Latency(steered.result(), period, replies.spread(), slowest_effect(recording))
+
+
+def steer(port: int, period: float, replies: Histogram) -> int:
+    """Order the rudder about until the line is closed; return how many orders were answered.
+
+    Ticks are ``period`` [s] apart.
+    """
+    dice = random.Random(1969)  # noqa: S311  instants, not secrets
+    with socket.create_connection((HOST, port)) as line, line.makefile(encoding="ascii") as said:
+        words = itertools.chain(("role helm",), itertools.cycle(ORDERS))
+        for tag, order in enumerate(words):
+            begun = time.perf_counter_ns()
+            try:
+                line.sendall(f"{order_sentence(order, str(tag))}\n".encode("ascii"))
+            except OSError:
+                return tag - 1
+            if not any(ends_answer(text, str(tag)) for text in said):
+                return tag - 1
+            if tag:
+                replies.add(time.perf_counter_ns() - begun)
+            time.sleep(period * dice.uniform(*PAUSE))
+    raise AssertionError
+
+
+def ends_answer(text: str, tag: str) -> bool:
+    """Return whether a line ends the answer to the order of that tag."""
+    found = read(text)
+    return bool(found and (found.kind, found.tag) == ("TRA", tag) and found.fields[0] != "say")
+
+
+def slowest_effect(recording: Recording) -> int:
+    """Return the most ticks until the rudder moved as ordered. 0: there is no such order."""
+    states = [np.frombuffer(state, STATE)[0] for _, state in recording.states(recording.branch)]
+    given = [each.tick for each in recording.orders(recording.branch) if each.accepted]
+    return max((effect(states[tick:]) for tick in given[:-1]), default=0)
+
+
+def effect(states: list[np.void]) -> int:
+    """Return the ticks from the first until the rudder leaves where it was ordered."""
+    was = states[0]["ordered_r"]
+    for ticks, (before, after) in enumerate(itertools.pairwise(states), 1):
+        wanted = after["ordered_r"] - before["delta_r"]
+        if after["ordered_r"] != was and wanted * (after["delta_r"] - before["delta_r"]) > 0.0:
+            return ticks
+    return len(states)

@@ -1,0 +1,126 @@
+"""The delay of commands: help, a first start, a later one, the console.
+
+Each is a process of its own, timed from its start by the clock, the least of a few: others can only
+add to it. It is given beside what importing numba alone takes then.
+"""
+
+import contextlib
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from trainer.analysis.bench.end_to_end import TRAINER, line
+from trainer.boat import compilation
+from trainer.core.cache import cache_folder
+
+TIMES: Final = 3
+RUN: Final = ("run", "--headless", "--duration", "0.5", "--no-record", "--speed")
+SLOW: Final = "10"  # of time: a tick is then 50 ms, which the interpreter makes
+SHOWN: Final = re.compile(rb"[0-9]\.[0-9]")  # a depth or a course on the screen
+PATIENCE: Final = 60.0  # [s]
+
+
+@dataclass(frozen=True)
+class Starting:
+    """Times [s] from the start of a process."""
+
+    python: float  # to nothing
+    numba: float  # to numba imported
+    help: float  # `trainer --help`, to its end
+    first_run: float  # nothing compiled: to its end after one tick, interpreted
+    later_run: float  # everything compiled: the same
+    console: float | None  # `trainer run` on a terminal, to its first figures; None without one
+    console_times_numba: float | None
+
+
+def time_starts() -> Starting:
+    """Return how soon commands answer."""
+    numba = least(lambda: time_to_end(sys.executable, "-c", "import numba"))
+    with empty_cache() as environment:
+        first = least(lambda: time_to_end(*TRAINER, *RUN, SLOW, **environment)) - 0.5 / float(SLOW)
+    time_to_end(*TRAINER, *RUN, "max")  # compiles if need be
+    console = least(time_to_screen) if hasattr(os, "openpty") else None
+    return Starting(
+        python=least(lambda: time_to_end(sys.executable, "-c", "pass")),
+        numba=numba,
+        help=least(lambda: time_to_end(*TRAINER, "--help")),
+        first_run=first,
+        later_run=least(lambda: time_to_end(*TRAINER, *RUN, "max")),
+        console=console,
+        console_times_numba=console and console / numba,
+    )
+
+
+def least(measure: Callable[[], float]) -> float:
+    """Return the least of a few measurements."""
+    return min(measure() for _ in range(TIMES))
+
+
+def time_to_end(*command: str, **environment: str) -> float:
+    """Return how long [s] a process took from its start to its end."""
+    begun = time.perf_counter()
+    subprocess.run(  # noqa: S603
+        command, env=os.environ | environment, stdin=subprocess.DEVNULL, capture_output=True,
+        check=True,
+    )  # fmt: skip
+    return time.perf_counter() - begun
+
+
+@contextlib.contextmanager
+def empty_cache() -> Iterator[dict[str, str]]:
+    """Yield the environment of a machine where nothing is compiled, and nothing will be."""
+    import fcntl  # noqa: PLC0415  not everywhere
+
+    with tempfile.TemporaryDirectory(prefix="bench-") as name:
+        folder = Path(name) / cache_folder().name
+        folder.mkdir()
+        with (folder / compilation.LOCK).open("wb") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            yield {"NUMBA_CACHE_DIR": name}
+
+
+def time_to_screen() -> float:
+    """Return how long [s] the console took to show its first figures."""
+    with tempfile.TemporaryDirectory(prefix="bench-") as folder, line() as screen:
+        terminal = os.open(screen.name, os.O_RDWR | os.O_NOCTTY)
+        begun = time.perf_counter()
+        with subprocess.Popen(  # noqa: S603
+            [*TRAINER, "run", "--no-record", "--socket", f"{folder}/s"],
+            stdin=terminal,
+            stdout=terminal,
+            stderr=terminal,
+            env=os.environ | {"TERM": "xterm-256color"},
+        ) as process:
+            os.close(terminal)
+            found = screen.find(SHOWN, time.monotonic() + PATIENCE)
+            taken = time.perf_counter() - begun
+            process.terminate()
+            while process.poll() is None:
+                screen.hear(time.monotonic() + 0.1)
+    return taken if found else float("inf")
+
+
+def lines(figures: Starting) -> list[str]:
+    """Return the figures as lines of a page."""
+    rows = [
+        ("python -c pass", figures.python),
+        ("import numba", figures.numba),
+        ("trainer --help", figures.help),
+        ("a run to its first tick, the first ever", figures.first_run),
+        ("a run to its first tick, later", figures.later_run),
+    ]
+    page = ["", "STARTING (from the start of the process, the least of a few)"]
+    page += [f"  {name:<44}{1e3 * taken:8.0f} ms" for name, taken in rows]
+    if figures.console is not None and figures.console_times_numba is not None:
+        times = f"{figures.console_times_numba:.2f} times import numba"
+        page.append(
+            f"  {'trainer run: figures on the console':<44}{1e3 * figures.console:8.0f} ms, {times}"
+        )
+    return page

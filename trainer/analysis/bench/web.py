@@ -1,0 +1,318 @@
+"""The cost of stations in a browser, to people and to the session.
+
+A session sails twice for as long: alone, and with many stations attached at its pages' server. At
+the second a real Chromium opens the helm's page, gives orders over its line and counts pictures.
+"""
+
+import contextlib
+import re
+import signal
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from trainer import __version__
+from trainer.analysis.bench.end_to_end import begin_session
+from trainer.analysis.bench.on_time import ENDED, count_missed, entry, lateness_of
+from trainer.analysis.report.html import find_browser
+from trainer.config.extras import advise_install
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile
+from trainer.io.orders.sentences import order_sentence
+from trainer.session.time.ledger import Spread
+
+if TYPE_CHECKING:
+    import subprocess
+
+    from playwright.sync_api import Page
+
+STATIONS: Final = 30
+ROLES: Final = {  # who they are, and what each wants to see
+    "helm": ("gauges", "orders", "steering", "engine", "time"),
+    "planes": ("gauges", "orders", "diving", "time"),
+    "ballast": ("gauges", "ballast", "time"),
+    "observer": ("gauges", "time"),
+    "instructor": ("motion", "orders", "time"),
+}
+SHORT: Final = 10.0  # [s] a shorter run is not to take many times as long as it says
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is measured at a page."""
+
+    loads: int
+    orders: int
+    pause: int  # [ms] between orders
+    watched: int  # [ms] in which pictures are counted
+
+    @classmethod
+    def of(cls, seconds: float) -> "Effort":
+        """Return what suits a run of so long."""
+        return cls(5, 60, 100, 2000) if seconds >= SHORT else cls(2, 20, 50, 1000)
+
+
+SERVED: Final = re.compile(r"pages at (http://\S+)/")
+FIRST_PICTURE: Final = """() => new Promise((done) => {
+  const look = () => {
+    const there = document.querySelector("#state")?.dataset.state === "running";
+    if (there) requestAnimationFrame(() => done(performance.now()));
+    else setTimeout(look, 2);
+  };
+  look();
+})"""
+GIVE_ORDERS: Final = """async ([orders, pause]) => {
+  const { Link } = await import("/assets/js/protocol/link.js");
+  const link = new Link(document.documentElement.dataset.version);
+  await new Promise((done) => { link.addEventListener("open", done); link.open(); });
+  await link.order("role pilot");
+  const drawn = () => new Promise((done) => requestAnimationFrame(() => {
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = done;
+    port2.postMessage(0);  // after this picture is painted
+  }));
+  const [sign, times] = [document.createElement("p"), []];
+  document.body.append(sign);
+  for (let order = 0; order < orders; order += 1) {
+    const began = performance.now();
+    const answer = await link.order(`rudder ${order % 2 ? "left" : "right"} 5`);
+    const answered = performance.now() - began;
+    sign.textContent = answer.text;
+    await drawn();
+    if (answer.ok) times.push([answered, performance.now() - began]);
+    await new Promise((done) => setTimeout(done, pause * (0.5 + Math.random())));
+  }
+  link.close();
+  return times;
+}"""
+COUNT_PICTURES: Final = """(watched) => new Promise((done) => {
+  const { motion } = document;
+  if (!motion) { done([0, []]); return; }
+  let pictures = 0;
+  motion.cost.length = 0;
+  motion.addEventListener("frame", () => { pictures += 1; });
+  setTimeout(() => done([pictures / watched * 1000, motion.cost]), watched);
+})"""
+
+
+class NoBrowserError(ConfigError):
+    """The machine lacks what drives a browser, or the browser; the text says which."""
+
+
+@dataclass(frozen=True)
+class Looking:
+    """The waiting of somebody at a page; times [ms]."""
+
+    browser: str
+    loads: int
+    first_picture: float  # median, from the address to readings on the screen
+    orders: int
+    answer_median: float
+    answer_p95: float
+    pixel_median: float  # until the answer is painted
+    pixel_p95: float
+    pictures: float  # a second, between ticks; 0: the page has no pointers
+    script_median: float  # a picture
+    script_p95: float
+
+
+@dataclass(frozen=True)
+class Ticks:
+    """The ticks of a session, and how late they began."""
+
+    stations: int
+    ticks: int
+    missed: int  # deadlines: overruns, slipped ticks and gaps
+    lateness: Spread
+
+
+@dataclass(frozen=True)
+class Web:
+    """The cost of stations in a browser."""
+
+    looking: Looking
+    alone: Ticks
+    attended: Ticks
+
+
+def time_pages(file: VesselFile, seconds: float) -> Web:
+    """Return the figures of sessions of ``seconds`` [s] each; NoBrowserError, ConfigError."""
+    browser = able_browser()
+    with tempfile.TemporaryDirectory(prefix="trainer-") as name:
+        folder = Path(name)
+        with sailing(file, folder, "alone") as session:
+            time.sleep(seconds)
+        alone = ticks_of(session, 0)
+        with sailing(file, folder, "attended", "--web", "127.0.0.1:0") as session:
+            end = time.monotonic() + seconds
+            with attending(session.url):
+                looking = look(session.url, browser, Effort.of(seconds))
+                time.sleep(max(end - time.monotonic(), 0.0))
+        return Web(looking, alone, ticks_of(session, STATIONS))
+
+
+def able_browser() -> str:
+    """Return a Chromium, Chrome or Edge to be led; NoBrowserError naming what is missing."""
+    for library in ("playwright", "websockets", "uvicorn", "starlette", "segno"):
+        if find_spec(library) is None:
+            raise NoBrowserError(advise_install(library, "trainer bench --web"))
+    found = find_browser()
+    if found is None:
+        raise NoBrowserError("trainer bench --web needs Chromium: install the package chromium")
+    return found
+
+
+@dataclass
+class Sailing:
+    """A session in a process of its own, its recording, and where its pages are."""
+
+    process: "subprocess.Popen[str]"
+    recording: Path
+    url: str = ""
+    account: str = ""
+
+
+@contextlib.contextmanager
+def sailing(file: VesselFile, folder: Path, name: str, *words: str) -> Iterator[Sailing]:
+    """Run a session while the block lasts; then it has its account. ConfigError if it fails."""
+    recording = folder / f"{name}.trainer"
+    words += ("--vessel", str(file.path), "--record", str(recording))
+    words += ("--listen", "none", "--socket", str(folder / f"{name}.sock"))
+    with begin_session(words) as process:
+        session = Sailing(process, recording)
+        try:
+            session.url = await_start(session, "pages at" if "--web" in words else "listening at")
+            yield session
+            process.send_signal(signal.SIGTERM)
+            session.account, told = process.communicate(timeout=ENDED)
+        finally:
+            process.kill()
+    if process.returncode:
+        raise ConfigError(f"the session of the bench failed: {told.strip()}")
+
+
+def await_start(session: Sailing, words: str) -> str:
+    """Wait until a session has said these words. Return where its pages are, "" for none."""
+    told = []
+    for text in session.process.stderr or ():
+        told.append(text)
+        if words in text:
+            found = SERVED.search(text)
+            return found[1] if found else ""
+    raise ConfigError(f"the session of the bench failed: {''.join(told).strip()}")
+
+
+def ticks_of(session: Sailing, stations: int) -> Ticks:
+    """Return the ticks of a session that is over."""
+    lateness, ticks = lateness_of(session.recording)
+    return Ticks(stations, ticks, count_missed(entry(session.account, "on time")), lateness)
+
+
+@contextlib.contextmanager
+def attending(url: str) -> Iterator[None]:
+    """Keep stations attached at the pages' server inside the block.
+
+    Each reads all that it is sent.
+    """
+    with contextlib.ExitStack() as stack:
+        readers = []
+        for number in range(STATIONS):
+            role = list(ROLES)[number % len(ROLES)]
+            line = stack.enter_context(dial(url))
+            line.send(order_sentence(f"role {role}", "1"))
+            for channel in ROLES[role]:
+                line.send(order_sentence(f"subscribe {channel}", "2"))
+            reader = threading.Thread(target=lambda line=line: read_on(line), daemon=True)
+            reader.start()
+            readers.append(reader)
+        yield
+    for reader in readers:
+        reader.join(ENDED)
+
+
+def dial(url: str) -> Any:
+    """Return a line at the pages' server, as a page has it."""
+    from websockets.sync.client import connect  # noqa: PLC0415  an extra's
+
+    where = f"{url.replace('http', 'ws')}/line?version={__version__}"
+    how: dict[str, Any] = {"origin": url, "max_queue": None, "close_timeout": 1.0}
+    return connect(where, **how)
+
+
+def read_on(line: Any) -> None:
+    """Read a line until it is closed."""
+    for _ in line:
+        pass
+
+
+def look(url: str, browser: str, effort: Effort) -> Looking:
+    """Return what somebody at the helm's page waits for."""
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415  for development
+
+    with sync_playwright() as driver, driver.chromium.launch(executable_path=browser) as opened:
+        page = opened.new_page()
+        firsts = sorted(first_picture(page, f"{url}/helm") for _ in range(effort.loads))
+        pictures, costs = page.evaluate(COUNT_PICTURES, effort.watched)
+        times = page.evaluate(GIVE_ORDERS, [effort.orders, effort.pause])
+        version = opened.version
+    if not times:
+        raise ConfigError("no order of the bench was obeyed")
+    answers, pixels = (sorted(column) for column in zip(*times, strict=True))
+    costs.sort()
+    return Looking(
+        browser=f"Chromium {version}",
+        loads=effort.loads,
+        first_picture=part(firsts, 0.5),
+        orders=len(times),
+        answer_median=part(answers, 0.5),
+        answer_p95=part(answers, 0.95),
+        pixel_median=part(pixels, 0.5),
+        pixel_p95=part(pixels, 0.95),
+        pictures=pictures,
+        script_median=part(costs, 0.5),
+        script_p95=part(costs, 0.95),
+    )
+
+
+def first_picture(page: "Page", url: str) -> float:
+    """Return how long [ms] it takes from an address to readings."""
+    page.goto(url, wait_until="commit")
+    return float(page.evaluate(FIRST_PICTURE))
+
+
+def part(ordered: list[float], share: float) -> float:
+    """Return the value that a ``share`` [-] of them do not exceed; 0 for none."""
+    return ordered[min(int(share * len(ordered)), len(ordered) - 1)] if ordered else 0.0
+
+
+def lines(figures: Web) -> list[str]:
+    """Return the figures as lines of a page."""
+    seen, alone, attended = figures.looking, figures.alone, figures.attended
+    answer = f"median {seen.answer_median:.1f} ms (5), 95 % {seen.answer_p95:.1f} ms (20)"
+    pixel = f"median {seen.pixel_median:.1f} ms, 95 % {seen.pixel_p95:.1f} ms (150)"
+    script = f"script median {seen.script_median:.2f} ms, 95 % {seen.script_p95:.2f} ms each"
+    missed = f"{alone.missed} of {alone.ticks} alone, {attended.missed} of {attended.ticks}"
+    return [
+        "",
+        f"STATIONS IN A BROWSER ({seen.browser}; goals in brackets)",
+        f"  first picture    median {seen.first_picture:.0f} ms of {seen.loads} (1500)",
+        f"  order to answer  {answer}, {seen.orders} orders",
+        f"  order to pixel   {pixel}: its answer is painted",
+        f"  pictures         {seen.pictures:.1f} a second (20); {script}",
+        f"  {'lateness of ticks [us]':<24}{'median':>11}{'99 %':>11}{'99.9 %':>11}{'most':>11}",
+        row("  alone", alone),
+        row(f"  {attended.stations} stations", attended),
+        f"  deadlines missed: {missed} with stations (0)",
+    ]
+
+
+def row(name: str, ticks: Ticks) -> str:
+    """Return a row of percentiles [us]."""
+    spread = ticks.lateness
+    times = (spread.p50_ns, spread.p99_ns, spread.p999_ns, spread.max_ns)
+    return f"  {name:<24}" + "".join(f"{time / 1e3:11.1f}" for time in times)

@@ -1,0 +1,76 @@
+"""The command that measures the trainer on this machine."""
+
+import click
+
+from trainer.cli.options import VESSEL, VESSEL_HELP
+
+
+@click.command()
+@click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP)
+@click.option(
+    "--seconds",
+    type=click.IntRange(1, 3600),
+    default=None,
+    help="Of real time for each step, recorded and not, and for the orders over TCP; --latency "
+    "gives four in each. [default: 10; 60 for --web]",
+)
+@click.option("--same-bits", is_flag=True, help="Only whether an hour ends in the same bits.")
+@click.option("--on-time", is_flag=True, help="Only how late ticks begin, among busy processes.")
+@click.option(
+    "--minutes",
+    type=click.FloatRange(0.05, 1440.0),
+    default=0.25,
+    show_default=True,
+    help="Of --on-time, for a session among all that could hold it up.",
+)
+@click.option("--latency", is_flag=True, help="Only how soon an order is seen at an instrument.")
+@click.option("--starting", is_flag=True, help="Only how soon commands answer.")
+@click.option("--web", is_flag=True, help="Only stations in a browser, and what they cost.")
+@click.option("--all", "everything", is_flag=True, help="All of it: some minutes.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+def bench(
+    vessel: str,
+    seconds: int | None,
+    *,
+    minutes: float,
+    everything: bool,
+    as_json: bool,
+    **parts: bool,
+) -> None:
+    """Measure duty cycle, work per tick, lateness and sizes on this machine.
+
+    \b
+    Example:  trainer bench --json
+              trainer bench --same-bits
+              trainer bench --on-time --minutes 10
+              trainer bench --web
+              trainer bench --all --json > figures.json
+    """
+    import json  # noqa: PLC0415
+    from dataclasses import asdict  # noqa: PLC0415
+
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+
+    file = load_vessel(vessel)
+    chosen = [name for name, wanted in parts.items() if wanted or everything]
+    figures, pages = {}, []
+    if everything or not chosen:
+        from trainer.analysis.bench.bench import bench as measure  # noqa: PLC0415
+        from trainer.analysis.bench.bench import render  # noqa: PLC0415
+
+        standard = measure(file, seconds or 10)
+        pages.append(render(standard))
+        figures["standard"] = asdict(standard)
+    if chosen:
+        from trainer.analysis.bench.sections import (  # noqa: PLC0415
+            SECTIONS,
+            Wanted,
+            measure_sections,
+        )
+
+        wanted = Wanted(file, seconds or 10, minutes, seconds or 60)
+        more_figures, more_pages = measure_sections(SECTIONS, chosen, wanted)
+        figures |= more_figures
+        pages += more_pages
+    tree = figures if chosen else figures["standard"]
+    click.echo(json.dumps(tree, indent=1) if as_json else "\n\n".join(pages))

@@ -1,1 +1,0 @@
-"""Proofs and measurements of the trainer itself."""
