@@ -199,7 +199,7 @@ class Bench:
         door.unlink(missing_ok=True)
         ports = ("--listen", "none", "--socket", str(door))
         job = Job(
-            ("serve", *words, *ports, "--record", str(path)),
+            ("serve", *words, *ports, "--verbose", "--record", str(path)),
             str(self.folder / "told.txt"),
             largest_file,
         )
