@@ -57,6 +57,10 @@ def test_no_module_lies_beside_a_package_of_its_name() -> None:
     assert not [path for path in MODULES if path.with_suffix("").is_dir()]
 
 
+def test_the_wheel_has_no_c_but_the_host_of_an_exported_core() -> None:
+    assert [path.name for path in PACKAGE.rglob("*.[ch]")] == ["host.c"]
+
+
 def test_modules_are_few_and_short() -> None:
     counted = Counter(path.relative_to(PACKAGE).parts[0] for path in MODULES)
     assert not {room: counted[room] for room, most in MOST.items() if counted[room] > most}
@@ -79,7 +83,7 @@ def test_functions_are_short() -> None:
 def test_layers_name_packages_only() -> None:
     table = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = table["tool"]["importlinter"]["contracts"]
-    assert len(contracts) == 3
+    assert len(contracts) == 4
     (layers,) = (each["layers"] for each in contracts if each["type"] == "layers")
     assert len(layers) <= 10
     named = {name.strip() for layer in layers for name in layer.split("|")}
