@@ -6,6 +6,7 @@ import shutil
 from dataclasses import dataclass, replace
 from typing import Any
 
+import click
 import pytest
 from c_twin import comparison
 from c_twin.compiler import BUILDS, SAME_BITS
@@ -20,6 +21,7 @@ from trainer.analysis.bench.sections import Section
 from trainer.analysis.bench.standard_hour import levels_here
 from trainer.analysis.bench.tick import Batches
 from trainer.analysis.fleet.block import follows, ordinary
+from trainer.cli.main import run_command
 from trainer.config.vessel import load_vessel
 from trainer.session.time.pacer import SPIN
 
@@ -289,3 +291,19 @@ def test_the_words_are_printed_beside_those_of_1969() -> None:
     assert "  update  x86-64-v4       2506        100    1253    2.00" in page
     assert "  the tick with all of it 4000; half the memory of 1969: 4096" in page
     assert page[-2:] == ["  wide    x86-64-v4       3000         50", "  state, the wide set 24"]
+
+
+def test_what_another_program_lacks_is_told_in_its_own_words(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.argv", ["lacking"])
+
+    @click.command()
+    def lacking() -> None:
+        raise OSError("Can't find the default root directory")  # JSBSim's, without a number
+
+    with pytest.raises(SystemExit) as left:
+        run_command(lacking, "lacking")
+
+    assert left.value.code == 1
+    assert capsys.readouterr().err == "trainer: Can't find the default root directory\n"

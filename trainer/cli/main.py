@@ -145,4 +145,4 @@ def run_command(command: click.Command, name: str) -> NoReturn:
     except click.Abort:
         fail(130, "interrupted")
     except OSError as lost:  # the disk behind the output is full; click handles a closed pipe
-        fail(1, str(lost.strerror))
+        fail(1, str(lost.strerror or lost))
