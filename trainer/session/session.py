@@ -389,11 +389,10 @@ class Session:
 
     def _tell_due(self, when: str, order: Order, answer: Reply) -> str:
         """Tell how an order that was due was answered; what was said to the crew, has been told."""
-        refused = isinstance(answer, Refused)
         wrong = f"{order.text}: refused: {answer.reason}" if isinstance(answer, Refused) else ""
         text = f"{when}: {wrong or answer}"
-        if refused or order.name not in CREW_TALK:
-            fact = None if refused else Fact("order", order.text)
+        if wrong or order.name not in CREW_TALK:
+            fact = None if wrong else Fact("order", order.text)
             self.event_log.tell("exercise", text, fact=fact)
         return text
 
