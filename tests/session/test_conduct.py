@@ -609,6 +609,7 @@ def test_a_visitors_restart_begins_the_exercise_again_and_time_goes_on_after_the
     crewed: Callable[..., Crewed],
 ) -> None:
     ship = crewed(seconds=5.0)
+    ship.conduct.visitors = True
     visitor = ship.comes("visitor")
     begun = ship.boat.plain.tobytes()
     ship.fly(4)
@@ -623,6 +624,21 @@ def test_a_visitors_restart_begins_the_exercise_again_and_time_goes_on_after_the
     assert (ship.boat.time, ship.session.time.frozen) == (0.0, False)
     assert ship.facts(visitor, "back") == ["restart", "restart"]
     assert ship.facts(visitor, "exercise-over") == ["ended"]
+
+
+def test_a_visitor_does_not_begin_the_run_of_a_crew_again(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=5.0)
+    visitor, helm = ship.comes("visitor"), ship.comes("helm")
+    ship.fly(4)
+    before = ship.boat.plain.tobytes()
+
+    why = "a visitor begins an exercise again only where its file has visitors = true"
+    assert ship.refused("restart", visitor) == f"{why}: ask the instructor"
+
+    assert (ship.boat.plain.tobytes(), ship.session.time.frozen) == (before, False)
+    assert ship.facts(helm, "back") == []
+    assert len(ship.recording.branches()) == 1
+    assert ship.order("restart").startswith("from the start, running")
 
 
 def test_a_station_is_called_by_a_name_of_its_own(crewed: Callable[..., Crewed]) -> None:

@@ -364,6 +364,40 @@ def test_keys_are_large_and_there_is_no_word_to_type_and_nothing_to_select(
     assert page.evaluate(f"document.querySelector('h1').{menu}") is False
 
 
+# Where there is no kiosk
+
+
+def test_a_crews_session_has_no_kiosk_and_its_run_goes_on_whoever_opens_one(look: Look) -> None:
+    with served("watch", frozen=False) as session:
+        instructor = session.attach()
+        first = look(session)
+        expect(first.locator("#title")).to_have_text("A watch")
+        for name in ("helm", "wall"):
+            expect(first.locator(f"[data-name={name}]")).to_be_visible()
+        expect(first.locator("[data-name=kiosk]")).to_be_hidden()
+
+        page = look(session, "kiosk")
+        expect(page.locator("#crewed")).to_have_text(
+            "A crew sails this boat now. Please ask the instructor."
+        )
+        expect(page.locator("#start")).to_be_hidden()
+        page.locator("#start").evaluate("(key) => key.click()")  # by whatever way
+        visitor = session.attach("visitor")
+        done, why = visitor.ask("restart")
+        assert not done
+        assert why.endswith("has visitors = true: ask the instructor")
+        scene(page, "attract")
+        assert instructor.ask("branches")[0]
+        assert len(instructor.said) == 1  # nobody has begun another
+
+
+def test_the_first_page_offers_the_kiosk_where_visitors_dive(kiosk: Kiosk, look: Look) -> None:
+    page = look(kiosk.session)
+    page.locator("[data-name=kiosk]").click()
+    page.locator("#start").click()
+    scene(page, "dive")
+
+
 # The words
 
 

@@ -16,7 +16,14 @@ from trainer.config.schema import Choice, Quantity, Text, of, read_record, withi
 
 SCHEMA: Final = "baseline/1"
 BASELINE: Final = ".baseline.toml"  # ends the name of its file; no run depends on it
-TOLD: Final = ("name", "lesson", "briefing", "instructor", "note")  # keys that fly nothing
+TOLD: Final = (
+    "name",
+    "lesson",
+    "briefing",
+    "instructor",
+    "note",
+    "visitors",
+)  # keys that fly nothing
 MARK: Final = Quantity("%", within(0, 100), "marks")
 
 

@@ -25,6 +25,7 @@ from trainer.config.reference_crew import CREW_TABLES, Crew, CrewRow, Helmsman, 
 from trainer.config.schema import (
     Choice,
     Choices,
+    Flag,
     Page,
     Quantity,
     Rows,
@@ -81,6 +82,9 @@ class Heading:
     )
     guard_depth_m: float | None = optional(
         Quantity("m", above(0, 12000), "before it the boat levels by itself, planes in hand")
+    )
+    visitors: bool | None = optional(
+        Flag("a visitor may begin it again at any time, as at a kiosk; else false")
     )
     lost: tuple[str, ...] | None = optional(
         Texts(Text(79, "conditions that lose the exercise: depth > 160, showing > 0 for 5 s"), 8)

@@ -31,7 +31,7 @@ from trainer.session.exercise import (
 )
 from trainer.session.manning import unmanned_axes
 from trainer.session.stations.past import PastReader
-from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, not_for_visitors
 from trainer.session.stations.station import Asked, Fact, News, Station
 
 AGAIN_WITHIN: Final = 10.0  # [s] for `quit` to be said again
@@ -50,6 +50,7 @@ class Conduct:
     debriefing: Debriefing | None = None
     scored: bool = False  # there is something to judge
     kept: Path | None = None  # where the session is recorded
+    visitors: bool = False  # may begin the exercise again
     following: Following = field(default_factory=Following)
     clock: Callable[[], float] = time.monotonic
     ready: list[Station] = field(default_factory=list)
@@ -72,6 +73,7 @@ class Conduct:
             "run": self._run,
             "step": self._run,
             "again": self._again,
+            "restart": self._restart,
             "end": self._end,
             "release-marks": self._release,
             "debrief": self._debrief,
@@ -327,6 +329,13 @@ class Conduct:
             why = "here is the end of the exercise: again from 2 min, or from a moment kept"
             asked.station.answer(asked, Refused(why))
         return refused
+
+    def _restart(self, asked: Asked) -> bool:
+        """Refuse a visitor who would begin the run of a crew again."""
+        why = "" if self.visitors else not_for_visitors(asked.station.role)
+        if why:
+            asked.station.answer(asked, Refused(why))
+        return bool(why)
 
     def _quit(self, asked: Asked) -> bool:
         others = sum(1 for each in self._others(asked.station))

@@ -72,6 +72,7 @@ class Plan:
     hand_from: float = 0.0  # [s]
     allowed: tuple[str, ...] = ()  # automatic orders, all the same
     guard: DepthGuard = field(default_factory=DepthGuard)
+    visitors: bool = False  # may begin it again
     lost: tuple[Loss, ...] = ()
     crew: Crew = field(default_factory=Crew)  # the reference crew
     baseline: Baseline | None = None  # as it was flown and kept
@@ -170,6 +171,7 @@ def plan_run(options: RunOptions) -> Plan:
         hand_from=(heading and heading.hand_from_s) or 0.0,
         allowed=(heading and heading.allowed) or (),
         guard=DepthGuard((heading and heading.guard_depth_m) or math.inf),
+        visitors=bool(heading and heading.visitors),
         lost=exercise.lost if exercise else (),
         crew=exercise.crew if exercise else Crew(),
         baseline=kept_baseline(exercise.path) if exercise else None,

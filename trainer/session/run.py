@@ -283,6 +283,7 @@ def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> 
     plan, conduct = prepared.plan, session.conduct
     conduct.debriefing, conduct.following = prepared.debriefing, prepared.following
     conduct.scored = bool(plan.scores)
+    conduct.visitors = plan.visitors
     conduct.kept = Path(prepared.kept) if prepared.kept else None
     if lives_on(options):
         conduct.ending = Ending.of(prepared.boat, plan.lost, plan.duration)
@@ -367,6 +368,7 @@ def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
         lost=plan.lost,
         tasks=tuple(rule.score.name for rule in plan.scores if rule.part != "keeping"),
         duration=plan.duration,
+        visitors=plan.visitors,
     )
 
 

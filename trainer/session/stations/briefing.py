@@ -39,6 +39,7 @@ class Briefing:
     lost: tuple[Loss, ...] = ()
     tasks: tuple[str, ...] = ()
     duration: float | None = None  # [s]
+    visitors: bool = False  # may begin it again
 
     def heading(self, role: Role) -> tuple[str, ...]:
         """Return title and text as a role is told them."""
@@ -63,6 +64,8 @@ class Briefing:
         yield from (("limits", ",".join(limits)) for _ in limits[:1])
         yield from (("lost", each.text) for each in self.lost if instructs or is_open(each))
         yield from (("wins", each) for each in (self.tasks if instructs else (WINS,)))
+        if self.visitors:
+            yield "visitors", "yes"
         if self.duration is not None:
             yield "duration", f"{self.duration:g}"
             yield "left", f"{max(self.duration - seconds, 0.0):g}"
@@ -207,6 +210,7 @@ EXERCISE: Final = {  # keys of the fact `exercise`
     "limits": "the gate: names and values, `depth_m_max:105,pitch_deg_max:15`",
     "lost": "a condition that loses it; one fact each",
     "wins": "what wins it; one fact each",
+    "visitors": "`yes`: a visitor may begin it again; there is a kiosk",
     "duration": "its length [s]",
     "left": "what is left of it [s], at the time of the fact",
 }

@@ -150,6 +150,16 @@ def refusal(role: Role, order: Order) -> str | None:
     return f"{says} {whose}; this line is {role.title}"
 
 
+def not_for_visitors(role: Role) -> str:
+    """Return why ``role`` may not begin a crew's exercise again, "" when it may."""
+    if role is not ROLES["visitor"]:
+        return ""
+    return (
+        "a visitor begins an exercise again only where its file has visitors = true: "
+        "ask the instructor"
+    )
+
+
 def blind(role: Role, channel: str) -> str | None:
     """Return why ``role`` may not see ``channel``, naming what it has; None when it may."""
     if channel in role.channels:

@@ -36,6 +36,7 @@ async function begin() {
   link.settle();
   for (const key of Object.keys(exercise)) delete exercise[key];
   over = "";
+  offerKiosk();
   tell("running", "CONNECTED");
   const called = await link.order(`name ${OWN}`);
   if (!called.ok) {
@@ -63,6 +64,13 @@ function hear(sentence) {
 function learn(told) {
   const equals = told.indexOf("=");
   exercise[told.slice(0, equals)] = told.slice(equals + 1);
+  offerKiosk();
+}
+
+/** Offers the kiosk where a visitor may begin the exercise again, and nowhere else. */
+function offerKiosk() {
+  const kiosk = /** @type {HTMLElement} */ (one("[data-name=kiosk]").closest("li"));
+  kiosk.hidden = exercise.visitors !== "yes";
 }
 
 /** Shows what is sailed here, and how far it is. */

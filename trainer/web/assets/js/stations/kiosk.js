@@ -150,9 +150,19 @@ function attend() {
   const there = session.live;
   one(".waiting").toggleAttribute("hidden", there || session.state === "role");
   side.toggleAttribute("data-stale", !there && scene === "dive");
+  offerDive();
   for (const control of document.querySelectorAll("[data-control], .go")) {
     control.toggleAttribute("inert", !there);
   }
+}
+
+/** Offers a dive where a visitor may begin the exercise again; else tells whom to ask. */
+function offerDive() {
+  const offered = session.exercise.visitors === "yes";
+  const crewed = !offered && session.live && session.readings.latest.has("gauges");
+  one("#start").hidden = !offered;
+  one("#challenge").hidden = crewed;
+  one("#crewed").hidden = !crewed;
 }
 
 /** Puts everything into the language that is spoken. */
@@ -207,7 +217,7 @@ session.on("tick", () => {
   follow();
   attend();
 });
-session.on("state", attend);
+for (const what of ["state", "exercise"]) session.on(what, attend);
 session.on("older", () => location.reload());
 link.addEventListener("sentence", hear);
 motion.addEventListener("frame", picture);
