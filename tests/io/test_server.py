@@ -1,5 +1,6 @@
 """Sockets of a session: many clients, none of which can harm another or the boat."""
 
+import math
 import os
 import random
 import select
@@ -18,7 +19,14 @@ import pytest
 from trainer.io import connection
 from trainer.io import server as server_module
 from trainer.io.client import dial, over_serial
-from trainer.io.connection import MOST_BYTES, MOST_HEARD, MOST_SAID, Connection
+from trainer.io.connection import (
+    MOST_BYTES,
+    MOST_HEARD,
+    MOST_SAID,
+    Connection,
+    carried_for,
+    machine_of,
+)
 from trainer.io.line import Direct, Joined, Line
 from trainer.io.lines import Overlong
 from trainer.io.orders.grammar import LONGEST
@@ -591,6 +599,58 @@ def test_a_port_in_use_is_told_with_the_next_step() -> None:
 def test_an_impossible_place_to_listen_is_told(host: str, port: int, reason: str) -> None:
     with pytest.raises(LinkError, match=reason):
         server_module.listen_at(host, port)
+
+
+@pytest.mark.parametrize(
+    ("address", "machine"),
+    [
+        ("192.168.1.5", "192.168.1.5"),
+        ("::ffff:192.168.1.5", "192.168.1.5"),
+        ("2001:db8:1:2:3:4:5:6", "2001:db8:1:2::/64"),
+        ("fe80::1%eth0", "fe80::/64"),
+        ("999.1.1.1", "999.1.1.1"),
+    ],
+)
+def test_a_machine_has_one_name_for_all_the_addresses_that_it_may_choose(
+    address: str, machine: str
+) -> None:
+    assert machine_of(address) == machine
+
+
+@needs_local
+@pytest.mark.parametrize("address", ["192.168.1.5", "2001:db8:1111:2222:3333:4444:5555:6666"])
+def test_a_program_of_this_user_may_say_for_which_machine_it_carries_lines(
+    tmp_path: Path, address: str
+) -> None:
+    with control() as desk:
+        desk.hub.listen_here(tmp_path / "s.sock")
+        for said, machine in (
+            (f"{carried_for(address)}\nrole helm\n", machine_of(address)),
+            (f"role helm\n{carried_for(address)}\n", "here"),
+        ):
+            with socket.socket(socket.AF_UNIX) as far:
+                far.connect(str(tmp_path / "s.sock"))
+                far.sendall(said.encode("ascii"))
+                (line,) = desk.arrivals(1)
+                assert desk.heard(line, 1) == ["role helm"]
+                assert line.machine == machine
+
+
+def test_nobody_at_a_port_says_for_which_machine_he_carries_lines() -> None:
+    with control() as desk, client(desk) as (far, line):
+        far.sendall(f"{carried_for('192.168.1.5')}\n".encode("ascii"))
+        assert desk.heard(line, 1) == [carried_for("192.168.1.5")]
+        assert line.machine == "127.0.0.1"
+
+
+def test_who_waits_for_an_answer_is_given_as_much_longer_to_say_who_is_here() -> None:
+    with control() as desk, client(desk) as (_, line):
+        line.introduce_by = 100.0
+        line.grant(30.0)
+        assert line.introduce_by == 130.0
+        line.introduce_by = math.inf
+        line.grant(30.0)
+        assert line.introduce_by == math.inf
 
 
 @needs_local

@@ -1,6 +1,7 @@
 """How a session is conducted: its exercise's end, branches gone back to, who has command."""
 
 import math
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +15,7 @@ from trainer.config.exercise import load_exercise
 from trainer.config.files import shipped_names
 from trainer.core.state import STATE
 from trainer.io.orders.sentences import order_sentence, read
+from trainer.session.control import Alarm
 from trainer.session.exercise import Debriefing, Ending, Following, Judgement, is_met, quantity_of
 from trainer.session.stations.roles import ROLES
 
@@ -600,6 +602,33 @@ def test_the_past_of_the_truth_is_the_instructor_s_alone(
     for channel in ("motion", "sea", "casualties", "ledger"):
         assert ship.say(line, f"history {channel}")[0] == "no"
     assert not any(each.startswith("$TRS") for each in line.sent)
+
+
+# What waits for a while
+
+
+def test_an_alarm_wakes_once_at_the_earliest_time_asked_for() -> None:
+    woken: list[float] = []
+    rung = threading.Event()
+
+    def wake() -> None:
+        woken.append(time.monotonic())
+        rung.set()
+
+    alarm = Alarm(wake)
+    for after in (300.0, 200.0, 0.05, 0.1, 400.0):
+        alarm.set(after)
+    assert rung.wait(60.0)
+    waiting = [each for each in threading.enumerate() if isinstance(each, threading.Timer)]
+    for each in waiting:  # those that were to ring later wait for nothing
+        each.join(60.0)
+        assert not each.is_alive()
+    rung.clear()
+
+    alarm.set(0.05)  # it rings again when it is asked again
+
+    assert rung.wait(60.0)
+    assert len(woken) == 2
 
 
 # A visitor

@@ -409,6 +409,74 @@ def unchanged(path: Path, folder: Path) -> bool:
         return list(recording.states(1)) == disturbed
 
 
+MORE = re.compile(r"(\d+) more of the same")
+
+
+def guess(session: Served, lines: int) -> None:
+    """Say three wrong tokens on each line, and hang up without waiting for the answers."""
+    for number in range(lines):
+        with (
+            contextlib.suppress(OSError),  # the oldest stranger gives way
+            socket.create_connection(("127.0.0.1", session.port), PATIENCE) as line,
+        ):
+            line.sendall(b"".join(b"role instructor %d-%d\n" % (number, i) for i in range(3)))
+            line.shutdown(socket.SHUT_WR)
+            while line.recv(4096):
+                pass
+
+
+def test_wrong_tokens_leave_the_log_readable_and_nobody_waits_behind_them(serve: Serve) -> None:
+    session = serve("--token", TOKEN)
+    with contextlib.closing(session.client("instructor", TOKEN)) as by:
+        for number in range(40):
+            assert by.ask(f"mark before {number}")[0] == "ok"
+        assert by.ask("subscribe events")[0] == "ok"
+        guessers = [
+            threading.Thread(target=guess, args=(session, 60), daemon=True) for _ in range(3)
+        ]
+        for each in guessers:
+            each.start()
+        for each in guessers:
+            each.join(PATIENCE)
+            assert not each.is_alive()
+        with contextlib.closing(session.client("helm", TOKEN)) as helm:  # right, and at once
+            assert helm.ask("rudder left 5")[0] == "ok"
+        assert eventually(lambda: any("wrong token" in line for line in by.ask("log 500")))
+        kept = by.ask("log 500")[2:]
+        session.finish(by)
+
+    assert sum("mark by instructor: before" in line for line in kept) == 40
+    of_strangers = [line for line in kept if "stranger" in line or "has come" in line]
+    assert 0 < sum("role instructor: wrong token" in line for line in of_strangers) <= 20
+    assert len(of_strangers) <= 50
+    written = session.events("refused") + session.events("station")
+    assert len(written) <= 70
+    total = sum(int(found[1]) for each in written if (found := MORE.match(each.text)))
+    assert total > 180  # what is not written is counted, to the end of the session
+
+
+def test_a_guesser_waits_for_his_answers_and_no_right_token_does(serve: Serve) -> None:
+    session = serve("--token", TOKEN)
+    with contextlib.closing(session.client()) as first:
+        for token in ("a", "b"):
+            assert first.ask(f"role helm {token}")[1] == "wrong token"
+    answers = []
+    for token in ("c", "d", "e"):
+        with contextlib.closing(session.client()) as line:
+            answers.append(line.ask(f"role helm {token}")[1])
+    assert answers == [
+        "wrong token",
+        *(f"wrong token; answered after {wait} s, because there were many" for wait in (1, 2)),
+    ]
+    with (
+        contextlib.closing(session.client()) as waiting,
+        contextlib.closing(session.client("instructor", TOKEN)) as by,
+    ):
+        waiting.line.sendall(b"role helm f\n")
+        assert any(each.startswith("stranger at") for each in by.ask("who"))  # it waits still
+        session.finish(by)
+
+
 def test_a_serial_station_unplugged_and_plugged_in_again_goes_on(
     serve: Serve, pty: Callable[[], tuple[int, str]], tmp_path: Path
 ) -> None:

@@ -1,6 +1,8 @@
 """A station: what it may do on its line, what is answered there, what is handed on and logged."""
 
+import functools
 import gc
+import math
 import re
 import threading
 import weakref
@@ -15,7 +17,14 @@ from trainer.io.lines import Overlong
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.sentences import Heard, hear, order_sentence, read
 from trainer.io.server import Server
-from trainer.session.stations.roles import Access
+from trainer.session.stations.roles import (
+    FIRST_WAIT_S,
+    FORGET_AFTER_S,
+    MAX_MACHINES,
+    MAX_WAIT_S,
+    Access,
+    GuessWaits,
+)
 from trainer.session.stations.station import ORDERS_A_SECOND, ORDERS_AT_ONCE, News, Station
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import Pace, StateReader
@@ -375,6 +384,113 @@ def test_no_answer_log_or_account_repeats_a_token(post: Callable[..., Post], lin
     assert told
     assert not [text for text in told if TOKEN.lower() in text.lower()]
     assert TOKEN not in repr(station.station._door)  # noqa: SLF001 what a traceback would show
+
+
+class Machine:
+    """A machine whose lines say tokens, at a door that keeps their answers back."""
+
+    def __init__(self, boat: Boat) -> None:
+        self.boat = boat
+        self.now = 0.0
+        self.waits = GuessWaits(lambda: self.now)
+
+    def line(self, machine: str = "10.0.0.1") -> Post:
+        """Return a new line from a machine."""
+        delay = functools.partial(self.waits.count, machine)
+        post = Post(self.boat, Access(None, {"": TOKEN}, delay=delay))
+        post.station._clock = lambda: self.now  # noqa: SLF001  one clock for all lines
+        return post
+
+
+@pytest.fixture
+def machine(boat: Boat) -> Machine:
+    return Machine(boat)
+
+
+def test_the_answer_to_a_wrong_token_waits_and_is_in_the_log_at_once(machine: Machine) -> None:
+    assert machine.line().answer_to("role helm a") == "? wrong token"
+    machine.line().type("role helm a", "role helm b")
+    late = machine.line()
+
+    late.type("role helm a")
+
+    assert not late.said()
+    assert late.log[-1] == ("refused", f"stranger at {NAME}: role helm: wrong token")
+    assert late.station.late == FIRST_WAIT_S
+    machine.now += FIRST_WAIT_S
+    late.type()
+    assert late.said() == ["? wrong token; answered after 1 s, because there were many"]
+    assert late.station.late == math.inf
+    late.type(f"role helm {TOKEN}")
+    assert late.said()[-1] == "this line is the helm's"
+
+
+def test_a_line_that_waits_for_an_answer_guesses_no_more_and_is_let_go_when_it_hangs_up(
+    machine: Machine,
+) -> None:
+    machine.line().type("role helm a", "role helm b", "role helm c")
+    late = machine.line()
+
+    late.type("role helm a", "role helm b", f"role helm {TOKEN}")
+
+    assert late.said() == 2 * ["? not heard: the answer to a wrong token is kept back"]
+    assert (late.station.counts.guesses, late.station.role.name) == (1, "stranger")
+    assert not late.station.waiting  # nothing is left that would keep its place
+    assert not late.station.held_up
+
+
+def test_a_right_token_is_admitted_at_once_behind_any_number_of_wrong_ones(
+    machine: Machine,
+) -> None:
+    for _ in range(200):
+        machine.line().type("role helm a")
+
+    for where in ("10.0.0.1", "10.0.0.2"):
+        line = machine.line(where)
+        line.type(f"role helm {TOKEN}")
+        assert line.said()[-1] == "this line is the helm's"
+    other = machine.line("10.0.0.2")
+    assert other.answer_to("role helm a") == "? wrong token"  # its machine has guessed nothing
+
+
+def test_the_third_wrong_token_closes_a_line_once_its_answer_is_given(machine: Machine) -> None:
+    machine.waits.count("10.0.0.1")
+    line = machine.line()
+    line.type("role helm a", "role helm b", "role helm c")
+    assert not line.station.leaving
+    machine.now += FIRST_WAIT_S
+
+    line.type()
+
+    assert line.said()[-1].startswith("? wrong token, the 3rd: this line is closed; answered after")
+    assert line.station.leaving == "3 wrong tokens"
+
+
+def test_waits_grow_by_machine_and_are_forgotten_after_ten_minutes() -> None:
+    now = [0.0]
+    waits = GuessWaits(lambda: now[0])
+
+    grown = [waits.count("a") for _ in range(12)]
+
+    assert grown == [0.0, 0.0, 0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 30.0, 30.0, 30.0, 30.0]
+    assert max(waits.count("a") for _ in range(3000)) == MAX_WAIT_S
+    assert waits.count("b") == 0.0
+    now[0] += FORGET_AFTER_S - 1.0
+    assert waits.count("a") == MAX_WAIT_S
+    now[0] += FORGET_AFTER_S
+    assert waits.count("a") == 0.0
+
+
+def test_machines_beyond_a_thousand_are_forgotten_the_oldest_first() -> None:
+    waits = GuessWaits(lambda: 0.0)
+    for _ in range(9):
+        waits.count("first")
+    for number in range(MAX_MACHINES - 1):
+        waits.count(str(number))
+    assert waits.count("first") == MAX_WAIT_S
+    for number in range(MAX_MACHINES):
+        waits.count(str(number))
+    assert waits.count("first") == 0.0
 
 
 # Channels

@@ -24,6 +24,7 @@ from trainer import __version__
 from trainer.cli.main import cli
 from trainer.config import extras
 from trainer.config.files import ConfigError
+from trainer.verify.soak.session_process import Caller
 from trainer.web.address import Address, announce
 from trainer.web.bridge import (
     A_MACHINE,
@@ -252,6 +253,21 @@ def test_three_wrong_words_close_the_line(guarded: Served) -> None:
         for _ in range(3):
             assert ask(line, "role helm")[0] == "no"
         assert refused(line) == NO_SESSION
+
+
+def test_wrong_words_of_pages_are_those_of_their_browsers_machine(serve: Serve) -> None:
+    session = serve("--token", WORD)
+    answers = []
+    for _ in range(4):
+        with dialled(session.port, cookies="word-helm=wrong") as line:
+            answers.append(ask(line, "role helm")[1])
+    assert [answer.partition(";")[0] for answer in answers] == 4 * ["wrong token"]
+    assert "answered after 1 s" in answers[-1]  # they were four lines of one machine
+    caller = Caller(session.socket, PATIENCE)
+    assert caller.ask("role planes wrong") == (False, "wrong token")  # a program of this user
+    caller.hang_up()
+    with dialled(session.port, cookies=f"word-helm={WORD}") as line:
+        assert ask(line, "role helm")[0] == "ok"
 
 
 def test_a_word_typed_at_the_page_opens_the_station_and_is_seen_nowhere(

@@ -4,6 +4,7 @@ Any thread may take, send and close; the rest belongs to the thread of the hub, 
 connection waits for and calls it when the socket is ready.
 """
 
+import ipaddress
 import math
 import re
 import selectors
@@ -23,10 +24,34 @@ MOST_BYTES = 262_144  # [bytes]
 PACE = 65536.0  # [bytes/s]  read at most, so that a flood costs the boat's thread nothing
 BURST = 16384.0  # [bytes]  read at once before the pace is kept
 
+# The first line of a program of this user that carries a line of somebody else's, such as a page's:
+# which machine that is, as the PROXY protocol has it, version 1.
+CARRIED = re.compile(r"PROXY TCP[46] ([0-9A-Fa-f:.]+) .*")
+HERE = "here"  # the machine of a program of this user
+HOUSE_BITS = 64  # of an address of IPv6: one house has all that begin with them
+
 # A page in a browser can post orders to a port of its own machine, where no token is asked for.
 BROWSER = re.compile(rb"(?:GET|HEAD|POST|PUT|PATCH|DELETE|OPTIONS|CONNECT|TRACE) ")
 
 READ, WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
+
+
+def machine_of(host: str) -> str:
+    """Return the machine that an address is of, one name for all addresses that it may choose."""
+    try:
+        address = ipaddress.ip_address(host.partition("%")[0])
+    except ValueError:
+        return host
+    if isinstance(address, ipaddress.IPv4Address):
+        return str(address)
+    mapped = address.ipv4_mapped
+    return str(mapped or ipaddress.IPv6Network((address, HOUSE_BITS), strict=False))
+
+
+def carried_for(host: str) -> str:
+    """Return the line by which a program of this user says for which machine it carries lines."""
+    family = "TCP6" if ":" in host else "TCP4"
+    return f"PROXY {family} {host.partition('%')[0]} 127.0.0.1 0 0"
 
 
 class Connection:
@@ -43,6 +68,7 @@ class Connection:
         self.dropped = 0
         self.known = False  # it has said who it is
         self.local = False  # it is of this machine and this user
+        self.machine = ""  # where it comes from, once that is known
         self.introduce_by = math.inf  # [s]  when that has to be said
         end.settimeout(0.0)
         self._end = end
@@ -83,6 +109,10 @@ class Connection:
     def introduce(self) -> None:
         """Note that it has been said who it is."""
         self.known = True
+
+    def grant(self, seconds: float) -> None:
+        """Give it so many seconds more to say who is here."""
+        self.introduce_by += seconds
 
     def take(self, most: int) -> list[str | Overlong]:
         """Return the oldest lines that have come, at most so many."""
@@ -191,6 +221,8 @@ class Connection:
             return
         self._read_until = max(self._read_until, time.monotonic()) + len(data) / PACE
         lines = self._decoder.feed(data)
+        if self.local and lines and not self.machine:
+            lines = self._learn_machine(lines)
         if lines and self.introduce_by == math.inf:  # nobody asks who it is
             self.known = True
         with self._lock:
@@ -199,6 +231,13 @@ class Connection:
             self._over = self._over or not data
         if lines or not data:
             self._arrived.set()
+
+    def _learn_machine(self, lines: list[str | Overlong]) -> list[str | Overlong]:
+        """Return lines without the one that says for which machine they are carried."""
+        first = lines[0]
+        carried = CARRIED.fullmatch(first) if isinstance(first, str) else None
+        self.machine = machine_of(carried[1]) if carried else HERE
+        return lines[1:] if carried else lines
 
     def _write(self) -> None:
         with self._lock:

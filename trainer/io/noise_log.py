@@ -1,10 +1,14 @@
-"""A log that those who make the noise cannot flood."""
+"""Logs that those who make the noise cannot flood."""
 
+import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Final
 
 MOST: Final = 20  # entries
 WHILE: Final = 10.0  # [s]
+ENTRY_RETURN_S: Final = 60.0  # until one more of a crowd's entries is written, of MOST
+MAX_SUM_PAUSE_S: Final = 600.0  # between two sums of a crowd that does not rest
 
 
 class NoiseLog:
@@ -37,5 +41,83 @@ class NoiseLog:
     def close(self) -> None:
         """Tell the number of what was held back."""
         for kind, count in self._held.items():
-            self._log(kind, f"{count} more of the same, not written one by one")
+            self._log(kind, sum_up(count))
         self._held.clear()
+
+
+def sum_up(count: int) -> str:
+    """Return what stands for entries that are not written."""
+    return f"{count} more of the same, not written one by one"
+
+
+@dataclass
+class Tally:
+    """The entries of one kind: how many may still be written, and how many are held back."""
+
+    since: float  # [s] when ``places`` was reckoned
+    places: float = MOST
+    held: int = 0
+    due: float = math.inf  # [s] when the number of what is held back is told
+    pause: float = WHILE  # [s] before it is told
+    told: float = -math.inf  # [s] when it was told last
+
+    def admit(self, now: float) -> bool:
+        """Return whether an entry is written; else it is counted."""
+        returned = (now - self.since) / ENTRY_RETURN_S
+        self.since, self.places = now, min(self.places + returned, MOST)
+        if self.places >= 1.0:
+            self.places -= 1.0
+            return True
+        if not self.held:
+            self.pause = WHILE if now - self.told > self.pause else self.pause
+            self.due = now + self.pause
+        self.held += 1
+        return False
+
+    def take_held(self, now: float) -> int:
+        """Return how many were held back. The next sum comes later, unless there is rest."""
+        count, self.held = self.held, 0
+        self.due, self.told = math.inf, now
+        self.pause = min(2.0 * self.pause, MAX_SUM_PAUSE_S)
+        return count
+
+
+class CrowdLog:
+    """Pass on the first entries of a crowd, and tell the number of all others ever more seldom.
+
+    Who is in the crowd makes no difference: a crowd of a thousand, each of whom says one word and
+    goes, writes no more than one who says a thousand words.
+    """
+
+    def __init__(self, log: Callable[[str, str], None], clock: Callable[[], float]) -> None:
+        """Pass on to ``log``; ``clock`` gives the time [s]."""
+        self._log = log
+        self._clock = clock
+        self._tallies: dict[str, Tally] = {}  # by kind
+
+    @property
+    def wait(self) -> float:
+        """Return how long [s] until a sum is to be told, infinity where nothing is held back."""
+        due = min((tally.due for tally in self._tallies.values()), default=math.inf)
+        return max(due - self._clock(), 0.0)
+
+    def log(self, kind: str, text: str) -> None:
+        """Pass an entry on, or count it."""
+        self.settle()
+        now = self._clock()
+        if self._tallies.setdefault(kind, Tally(now)).admit(now):
+            self._log(kind, text)
+
+    def settle(self) -> None:
+        """Tell the sums that are due."""
+        self._tell_sums(self._clock())
+
+    def close(self) -> None:
+        """Tell the number of all that was held back."""
+        self._tell_sums(math.inf)
+
+    def _tell_sums(self, until: float) -> None:
+        """Tell the sums that are due until a time [s]."""
+        for kind, tally in self._tallies.items():
+            if tally.held and tally.due <= until:
+                self._log(kind, sum_up(tally.take_held(self._clock())))

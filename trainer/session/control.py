@@ -198,6 +198,29 @@ class Control:
         self.steps = 0
 
 
+class Alarm:
+    """Wakes whoever waits, once, at the earliest of the times asked for."""
+
+    def __init__(self, wake: Callable[[], object]) -> None:
+        self._wake = wake
+        self._timer = threading.Timer(0.0, wake)
+        self._due = 0.0  # [s] on the machine's clock
+
+    def set(self, after: float) -> None:
+        """Wake after a time [s], infinity for never, unless that is done before then anyway.
+
+        Whoever wakes asks again, because an earlier time replaces a later one.
+        """
+        now = time.monotonic()
+        if now < self._due <= now + after or math.isinf(after):
+            return
+        self._timer.cancel()
+        self._due = now + after
+        self._timer = threading.Timer(after, self._wake)
+        self._timer.daemon = True
+        self._timer.start()
+
+
 @dataclass
 class Command:
     """Which of several instructors orders; the others watch and mark."""
@@ -208,6 +231,9 @@ class Command:
     holder: Station | None = None
     asker: Station | None = None
     until: float = 0.0  # [s] on the clock, to answer who asks
+
+    def __post_init__(self) -> None:
+        self._alarm = Alarm(self.wake)
 
     def tend(self) -> None:
         """Pass command on if its holder has left, or has not answered in time."""
@@ -239,7 +265,7 @@ class Command:
             station.answer(asked, Refused(f"{self.asker.line.name} has asked for it already"))
             return True
         self.asker, self.until = station, self.clock() + ANSWER_WITHIN
-        self._wake_after(ANSWER_WITHIN)
+        self._alarm.set(ANSWER_WITHIN)
         name = station.line.name
         within = f"within {ANSWER_WITHIN:g} s"
         text = f"{name} asks for command: give command, or keep command, {within}"
@@ -287,8 +313,3 @@ class Command:
         if taker is not None:
             name = taker.line.name
             self.log.tell("exercise", f"{name} has command", fact=Fact("command", name))
-
-    def _wake_after(self, seconds: float) -> None:
-        timer = threading.Timer(seconds, self.wake)
-        timer.daemon = True
-        timer.start()

@@ -3,11 +3,13 @@
 They are recorded, told to whom they concern, and kept for latecomers.
 """
 
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
+from trainer.io.noise_log import CrowdLog
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.table import CREW_TALK
 from trainer.io.recording.recording import RecordingError
@@ -46,9 +48,11 @@ class EventLog:
     _alert: int = 0  # the number of the last
     _counts: dict[int, list[dict[str, list[float]]]] = field(default_factory=dict)  # by branch
     _branch: int = field(init=False)  # as it was when last looked at
+    strangers: CrowdLog = field(init=False)  # of all who have not said for good who they are
 
     def __post_init__(self) -> None:
         self._branch = self.history.recording.branch
+        self.strangers = CrowdLog(self.tell, time.monotonic)
 
     def tell(
         self, kind: str, text: str, by: Station | None = None, fact: Fact | None = None
@@ -194,7 +198,10 @@ class EventLog:
 
     def log(self, kind: str, text: str) -> None:
         """Tell what the station that is listened to has to say of itself."""
-        self.tell(kind, text, self.heard)
+        if self.heard and not self.heard.settled:
+            self.strangers.log(kind, text)
+        else:
+            self.tell(kind, text, self.heard)
 
     def lately(self, role: Role, count: int) -> list[str]:
         """Return the last of what ``role`` hears of."""

@@ -4,7 +4,7 @@ import contextlib
 import math
 import os
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -19,7 +19,13 @@ from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.server import Server, parse_address, private_folder
 from trainer.io.status_line import clock
 from trainer.session.options import RunOptions
-from trainer.session.stations.roles import ROLES, Access, read_tokens, refuse_open_door
+from trainer.session.stations.roles import (
+    ROLES,
+    Access,
+    GuessWaits,
+    read_tokens,
+    refuse_open_door,
+)
 from trainer.session.stations.station import Log, News, Station
 from trainer.session.stations.subscriptions import Sending
 
@@ -105,8 +111,10 @@ class Ports:
             except (LinkError, OSError) as error:
                 click.echo(f"trainer: stations cannot join by themselves: {error}", err=True)
 
+        waits = GuessWaits()
+
         def admit(line: Connection) -> Station:
-            return self._station(line, Access(tokens=tokens, entered=line.introduce))
+            return self._station(line, access_at(line, tokens, waits))
 
         return Lobby(hub, admit, awaited)
 
@@ -137,6 +145,17 @@ class Ports:
 
     def _station(self, line: Line, door: Access) -> Station:
         return Station(line, door, self.sending, self.log)
+
+
+def access_at(line: Connection, tokens: Mapping[str, str], waits: GuessWaits) -> Access:
+    """Return what a line has to say that came by itself, and how long its wrong tokens wait."""
+
+    def delay() -> float:
+        wait = waits.count(line.machine)
+        line.grant(wait)
+        return wait
+
+    return Access(tokens=tokens, entered=line.introduce, delay=delay)
 
 
 def await_pipe(inbox: Inbox) -> None:

@@ -264,6 +264,7 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
                 session.run(frozen=options.frozen)
         wall = (time.clock.now() - started) / SECOND
         session.conduct.work.finish()
+        session.event_log.strangers.close()
         if not session.control.following:  # else whoever is there comes back for it
             session.event_log.tell("time", OVER, fact=Fact("over"))
         sending.close(PATIENCE)

@@ -2,7 +2,6 @@
 
 import math
 import threading
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -14,7 +13,6 @@ from trainer.boat.helm import obey
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.pilot import PilotMonitor
 from trainer.config.exercise import Armed
-from trainer.io.noise_log import NoiseLog
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
@@ -23,7 +21,7 @@ from trainer.io.tables import Columns
 from trainer.session.agenda import HEAD as PLANNED
 from trainer.session.agenda import PLANNING, Agenda
 from trainer.session.conduct import Conduct
-from trainer.session.control import Control
+from trainer.session.control import Alarm, Control
 from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
 from trainer.session.event_log import CREW, MOMENTS, TIME, EventLog
 from trainer.session.history import History
@@ -92,7 +90,7 @@ class Session:
         said = self.history.said()  # a recorded run goes on
         self.crew.settle(said, self.history.tick)
         self.agenda.settle(said)
-        self._visits = NoiseLog(self.event_log.tell, time.monotonic)
+        self._alarm = Alarm(self.wake.set)
         self._lookout = StateReader(self.boat, self.time.ledger.summary)
         self._pace = Pace()  # as it was last shown: whatever changes it has it shown
 
@@ -150,13 +148,9 @@ class Session:
 
     def listen(self) -> None:
         """Admit newcomers, take what the stations say, and see out who has left."""
-        self._visits.settle()
+        self.event_log.strangers.settle()
         self.conduct.tend()
-        for station in self.reception.newcomers():
-            if station.role is not STRANGER:  # who has to say who it is, is told nothing before
-                self.greet(station)
-            self.event_log.stations.append(station)
-            self._visits.log("station", f"{station.line.name} has come")
+        self._admit_newcomers()
         for station in list(self.event_log.stations):
             self.event_log.heard = station
             before = (station.role, station.settled)
@@ -166,13 +160,23 @@ class Session:
                     self._hear(asked)
                 self._take_steps()
             self._entered(station, before)
+            self._alarm.set(station.late)
             if station.held_up:
-                self._listen_again(station.held_up)
+                self._alarm.set(station.held_up)  # what was not taken waits with no word of its own
             elif station.waiting:
                 self.wake.set()  # others, and the clock, have their turn before the rest
             elif station.leaving or station.line.ended:
                 self._see_out(station)
         self.event_log.heard = None
+        self._alarm.set(self.event_log.strangers.wait)
+
+    def _admit_newcomers(self) -> None:
+        """Let those be stations who have come since the last call."""
+        for station in self.reception.newcomers():
+            if station.role is not STRANGER:  # who has to say who it is, is told nothing before
+                self.greet(station)
+            self.event_log.stations.append(station)
+            self.event_log.strangers.log("station", f"{station.line.name} has come")
 
     def _entered(self, station: Station, before: tuple[Role, bool]) -> tuple[Role, bool]:
         """Greet or introduce a newcomer; return its role, and whether it has said so."""
@@ -181,12 +185,6 @@ class Session:
         if station.settled and not before[1]:  # an observer's role is the same as before
             self._introduce(station)
         return station.role, station.settled
-
-    def _listen_again(self, after: float) -> None:
-        """Listen again after a time [s]: what was not taken waits with no word of its own."""
-        again = threading.Timer(after, self.wake.set)
-        again.daemon = True
-        again.start()
 
     @property
     def _over(self) -> bool:
@@ -199,7 +197,7 @@ class Session:
             return  # a line that the run was begun with is there to its end
         station.leave()
         self.event_log.stations.remove(station)
-        tell = self.event_log.tell if station.settled else self._visits.log
+        tell = self.event_log.tell if station.settled else self.event_log.strangers.log
         tell("station", f"{station.account()}: {station.leaving or 'gone'}")
         threading.Thread(target=station.close, args=(PATIENCE,), daemon=True).start()
         if self.until_left and not any(each.visits for each in self.event_log.stations):

@@ -22,6 +22,7 @@ from urllib.parse import quote
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from trainer.io.connection import carried_for
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import LONGEST, Order
 from trainer.io.orders.sentences import LONGEST_ANSWER
@@ -114,7 +115,10 @@ class Bridge:
             with self.place(page.client.host if page.client else ""):
                 end = await asyncio.to_thread(self.reach)
                 shelf = self.shelf if is_here(end) else None
+                local = not isinstance(end.getpeername(), tuple)  # a session of this user
                 reader, writer = await asyncio.open_connection(sock=end, limit=2 * LONGEST_ANSWER)
+                if page.client and local:
+                    writer.write(f"{carried_for(page.client.host)}\n".encode("ascii"))
                 await self._attend(page, reader, writer, words, shelf)
         except RefusedError as error:
             self.refusals.add(page.client, f"{error}: its line is closed")

@@ -9,6 +9,7 @@ import contextlib
 import hmac
 import ipaddress
 import re
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
@@ -209,6 +210,7 @@ class Access:
     role: str | None = None
     tokens: Mapping[str, str] = field(default_factory=dict, repr=False)  # by role, or ANY
     entered: Callable[[], object] = bool  # called when a line has said who it is
+    delay: Callable[[], float] = float  # counts a wrong token, returns how long [s] to wait
 
     @property
     def first(self) -> Role:
@@ -235,6 +237,36 @@ class Access:
             return True
         wanted = self.tokens.get(role, self.tokens.get(ANY, ""))
         return hmac.compare_digest(given.encode(), wanted.encode()) and bool(wanted)
+
+
+FREE_GUESSES: Final = 3  # wrong tokens of a machine that are answered at once
+FIRST_WAIT_S: Final = 1.0  # of the answer to the next one; each one after it waits twice as long
+MAX_WAIT_S: Final = 30.0
+FORGET_AFTER_S: Final = 600.0  # without a wrong token of that machine
+MAX_MACHINES: Final = 1000  # that are remembered, the latest
+
+
+@dataclass
+class GuessWaits:
+    """The waits for the answers to wrong tokens, by machine.
+
+    The answer waits, and with it the line that has guessed. A right token is admitted at once, also
+    where others have guessed from the same machine, because nobody is to be shut out by wrong ones.
+    """
+
+    clock: Callable[[], float] = time.monotonic
+    _guesses: dict[str, tuple[int, float]] = field(default_factory=dict)  # how many, the last [s]
+
+    def count(self, machine: str) -> float:
+        """Count a wrong token of a machine; return how long [s] its answer waits."""
+        now = self.clock()
+        count, last = self._guesses.pop(machine, (0, now))
+        count = 1 if now - last >= FORGET_AFTER_S else count + 1
+        self._guesses[machine] = count, now
+        if len(self._guesses) > MAX_MACHINES:
+            del self._guesses[next(iter(self._guesses))]
+        doublings = min(count - FREE_GUESSES - 1, 10)
+        return min(FIRST_WAIT_S * 2.0**doublings, MAX_WAIT_S) if doublings >= 0 else 0.0
 
 
 def read_tokens(given: tuple[str, ...]) -> dict[str, str]:

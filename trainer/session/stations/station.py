@@ -4,6 +4,7 @@ What concerns the line alone is answered here: its role, its subscriptions, help
 order, orders that are not its to give. The rest is handed on, and answered by whoever obeys it.
 """
 
+import math
 import textwrap
 import time
 from collections.abc import Callable, Iterator
@@ -67,6 +68,15 @@ class Asked:
     station: "Station"
 
 
+class LateAnswer(NamedTuple):
+    """The answer to a wrong token, which is kept back for a while."""
+
+    due: float  # [s]
+    heard: Heard
+    reply: Refused
+    leaving: str  # why the line is closed after it, "" while it stays
+
+
 @dataclass
 class Counts:
     """The words that a line has sent."""
@@ -114,7 +124,9 @@ class Station:
         self._refilled = clock()
         self._orders_left = float(ORDERS_AT_ONCE)
         self._flooding = False  # has been told
-        self._noise = NoiseLog(quietly(log, access), clock)
+        self._quiet_log = quietly(log, access)
+        self._noise = NoiseLog(self._quiet_log, clock)
+        self._late: LateAnswer | None = None
         self._machine = False  # a program spoke last
         self._program = False  # one has spoken
 
@@ -129,6 +141,11 @@ class Station:
         if not self.visits:
             return ()
         return ("second", str(ORDERS_A_SECOND)), ("once", str(ORDERS_AT_ONCE))
+
+    @property
+    def late(self) -> float:
+        """Return how long [s] the answer to a wrong token is kept back, infinity where none is."""
+        return max(self._late.due - self._clock(), 0.0) if self._late else math.inf
 
     @property
     def settled(self) -> bool:
@@ -156,6 +173,7 @@ class Station:
         """
         self._noise.settle()
         self._refill()
+        self._answer_late()
         allowed = min(most, int(self._orders_left))
         lines = self.line.take(allowed) if allowed else []
         self.waiting = len(lines) == allowed
@@ -189,6 +207,7 @@ class Station:
     def leave(self) -> None:
         """Send nothing more. Log how many bad lines were not written one by one."""
         self._noise.close()
+        self._late = None
         self.wishes.end(*self.wishes.channels)
 
     def close(self, patience: float) -> None:
@@ -207,6 +226,9 @@ class Station:
             return []
         self._machine = heard.machine
         self._program = self._program or heard.machine
+        if self._late:
+            self._answer(heard, Refused("not heard: the answer to a wrong token is kept back"))
+            return []
         if isinstance(heard.order, BadOrder):
             self._bad(heard, heard.order.reason)
             return []
@@ -215,7 +237,7 @@ class Station:
     def _bad(self, heard: Heard, reason: str) -> None:
         """Answer a line that is no order."""
         self.counts.bad += 1
-        self._noise.log("refused", f"{self.who}: {heard.order.text or 'a line'}: {reason}")
+        self._log_refusal(f"{heard.order.text or 'a line'}: {reason}")
         self._answer(heard, Refused(reason))
 
     def _obey(self, heard: Heard, order: Order) -> list[Asked]:
@@ -259,8 +281,13 @@ class Station:
     def _refuse(self, heard: Heard, order: Order, why: str) -> None:
         """Refuse an order that is not this line's to give."""
         self.counts.refused += 1
-        self._noise.log("refused", f"{self.who}: {order.text}: {why}")
+        self._log_refusal(f"{order.text}: {why}")
         self._answer(heard, Refused(why))
+
+    def _log_refusal(self, text: str) -> None:
+        """Log what was refused. The session sums up what all do who have not said who they are."""
+        log = self._noise.log if self._settled else self._quiet_log
+        log("refused", f"{self.who}: {text}")
 
     def _answer(self, heard: Heard, reply: Reply, *lines: str) -> None:
         """Send an answer in the manner that the order came."""
@@ -296,9 +323,8 @@ class Station:
         if self._settled:
             self._refuse(heard, order, f"this line is {self.role.title}, and stays so")
             return
-        wrong = self._wrong_token(order.word, order.subject)
-        if wrong:
-            self._refuse(heard, order, wrong)
+        if not self._door.admits(order.word, order.subject):
+            self._refuse_token(heard, order)
             return
         self.role, self._settled = ROLES[order.word], True
         self._door.entered()
@@ -306,17 +332,31 @@ class Station:
         self._answer(heard, f"this line is {self.role.title}", *powers(self.role))
         self.wishes.keep_for(self.role)
 
-    def _wrong_token(self, role: str, given: str) -> str:
-        """Return why a token does not do, "" when it does; the line goes at the third that is."""
-        if self._door.admits(role, given):
-            return ""
-        if not given:
-            return "this session asks for a token: role NAME TOKEN"
+    def _refuse_token(self, heard: Heard, order: Order) -> None:
+        """Refuse a wrong token: in the log at once, by an answer that its machine has to wait for.
+
+        The line is closed after the third.
+        """
+        if not order.subject:
+            self._refuse(heard, order, "this session asks for a token: role NAME TOKEN")
+            return
         self.counts.guesses += 1
-        if self.counts.guesses >= GUESSES:
-            self.leaving = f"{GUESSES} wrong tokens"
-            return f"wrong token, the {GUESSES}rd: this line is closed"
-        return "wrong token"
+        self.counts.refused += 1
+        self._log_refusal(f"{order.text}: wrong token")
+        wait = self._door.delay()
+        last = self.counts.guesses >= GUESSES
+        why = f"wrong token, the {GUESSES}rd: this line is closed" if last else "wrong token"
+        why += f"; answered after {wait:g} s, because there were many" if wait else ""
+        leaving = f"{GUESSES} wrong tokens" if last else ""
+        self._late = LateAnswer(self._clock() + wait, heard, Refused(why), leaving)
+        self._answer_late()
+
+    def _answer_late(self) -> None:
+        """Give the answer that was kept back, once it is due."""
+        late = self._late
+        if late and self._clock() >= late.due:
+            self._late, self.leaving = None, late.leaving
+            self._answer(late.heard, late.reply)
 
     def _subscribe(self, heard: Heard, order: Order) -> None:
         """Have a channel sent from now on, the answer before it."""
