@@ -129,6 +129,35 @@ def pages(host: str = "127.0.0.1", **settings: object) -> Iterator[Pages]:
             end.close()
 
 
+AUTHORITY = """
+[ca]
+default_ca = here
+[here]
+database = index.txt
+serial = serial
+new_certs_dir = .
+default_md = sha256
+policy = any
+[any]
+commonName = supplied
+"""
+
+
+def make_certificate_of(folder: Path, begins: str, ends: str) -> tuple[Path, Path]:
+    """Return a certificate for a time such as 20200101000000Z, and its key, made by openssl."""
+    (folder / "ca.cnf").write_text(AUTHORITY)
+    (folder / "index.txt").write_text("")
+    (folder / "serial").write_text("01\n")
+    ask = "req -newkey rsa:2048 -nodes -subj /CN=127.0.0.1 -keyout key.pem -out asked.pem"
+    sign = "ca -batch -config ca.cnf -selfsign -keyfile key.pem -in asked.pem -out cert.pem -notext"
+    try:
+        for words in (ask, f"{sign} -startdate {begins} -enddate {ends}"):
+            subprocess.run(["openssl", *words.split()], check=True, capture_output=True, cwd=folder)
+    except FileNotFoundError:
+        pytest.skip("no openssl: install the package openssl")
+    return folder / "cert.pem", folder / "key.pem"
+
+
 def make_certificate(folder: Path) -> tuple[Path, Path]:
     """Return a certificate of 127.0.0.1 and its key, made by openssl."""
     cert, key = folder / "cert.pem", folder / "key.pem"

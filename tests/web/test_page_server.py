@@ -1,6 +1,7 @@
 """The pages' server: who may come in, what is refused, what comes back by itself."""
 
 import contextlib
+import http.client
 import os
 import re
 import signal
@@ -15,8 +16,17 @@ from pathlib import Path
 import pytest
 from helpers.pages import PATIENCE, Served, free_port, served
 from helpers.places import environment
-from helpers.wire import Answered, ask, dialled, hear, make_certificate, pages, request
-from playwright.sync_api import Page, expect
+from helpers.wire import (
+    Answered,
+    ask,
+    dialled,
+    hear,
+    make_certificate,
+    make_certificate_of,
+    pages,
+    request,
+)
+from playwright.sync_api import Browser, Page, expect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
@@ -306,6 +316,61 @@ def test_with_a_certificate_all_is_encrypted(serve: Serve, tmp_path: Path) -> No
     assert "Secure" in keep(session, f"helm {WORD}", context).headers["set-cookie"]
     with dialled(session.port, cookies=f"word-helm={WORD}", scheme="wss", ssl=context) as line:
         assert ask(line, "role helm")[0] == "ok"
+
+
+def test_a_browser_works_pages_and_lines_over_tls(
+    serve: Serve, browser: Browser, tmp_path: Path
+) -> None:
+    cert, key = make_certificate(tmp_path)
+    session = serve("--token", WORD, "--cert", str(cert), "--key", str(key))
+    with contextlib.closing(browser.new_context(ignore_https_errors=True)) as context:
+        page = context.new_page()
+        dialled_at: list[str] = []
+        page.on("websocket", lambda line: dialled_at.append(line.url))
+        page.goto(f"https://127.0.0.1:{session.port}/instructor")
+        page.locator("#word input").fill(WORD)
+        page.locator("#word input").press("Enter")
+        expect(page.locator("#state")).to_have_text("FROZEN")
+        page.locator("#order").fill("depth 80")
+        page.locator("#order").press("Enter")
+        expect(page.locator("#log")).to_contain_text("depth 80")
+        assert {url.partition(":")[0] for url in dialled_at} == {"wss"}
+        (cookie,) = context.cookies(f"https://127.0.0.1:{session.port}/line")
+        assert (cookie["secure"], cookie["httpOnly"]) == (True, True)
+
+    with contextlib.suppress(OSError, http.client.HTTPException):  # no page without encryption
+        got = request(session.port, "/helm")
+        raise AssertionError(got.status)
+
+
+@pytest.mark.parametrize(
+    ("begins", "ends", "why"),
+    [
+        ("20200101000000Z", "20200201000000Z", "certificate has expired"),
+        ("20990101000000Z", "20990201000000Z", "certificate is not yet valid"),
+    ],
+)
+def test_a_certificate_out_of_its_time_is_refused_in_one_line(
+    tmp_path: Path, begins: str, ends: str, why: str
+) -> None:
+    cert, key = make_certificate_of(tmp_path, begins, ends)
+    for words in (["serve", "--web", "127.0.0.1:0"], ["web"]):
+        with program(tmp_path, *words, "--cert", str(cert), "--key", str(key)) as process:
+            _, told = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 2
+        assert told == f"trainer: --cert {cert}: {why}: no browser takes it; make a new one\n"
+
+
+def test_a_certificate_and_the_key_of_another_are_refused_in_one_line(tmp_path: Path) -> None:
+    folders = tmp_path / "a", tmp_path / "b"
+    for folder in folders:
+        folder.mkdir()
+    (cert, _), (_, key) = (make_certificate(folder) for folder in folders)
+    with program(tmp_path, "web", "--cert", str(cert), "--key", str(key)) as process:
+        _, told = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 2
+    assert told.count("\n") == 1
+    assert "not a certificate and its own key, both PEM" in told
 
 
 # What could never be an order

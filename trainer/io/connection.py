@@ -37,7 +37,7 @@ READ, WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
 
 
 def machine_of(host: str) -> str:
-    """Return the machine that an address is of, one name for all addresses that it may choose."""
+    """Return the machine of an address: one name for all that it may choose."""
     try:
         address = ipaddress.ip_address(host.partition("%")[0])
     except ValueError:
@@ -49,7 +49,7 @@ def machine_of(host: str) -> str:
 
 
 def carried_for(host: str) -> str:
-    """Return the line by which a program of this user says for which machine it carries lines."""
+    """Return the line that says for which machine others are carried; see CARRIED."""
     family = "TCP6" if ":" in host else "TCP4"
     return f"PROXY {family} {host.partition('%')[0]} 127.0.0.1 0 0"
 

@@ -52,7 +52,7 @@ def sum_up(count: int) -> str:
 
 @dataclass
 class Tally:
-    """The entries of one kind: how many may still be written, and how many are held back."""
+    """The count of one kind: entries that may still be written, and those held back."""
 
     since: float  # [s] when ``places`` was reckoned
     places: float = MOST
@@ -83,7 +83,7 @@ class Tally:
 
 
 class CrowdLog:
-    """Pass on the first entries of a crowd, and tell the number of all others ever more seldom.
+    """Pass on a crowd's first entries, and the number of all others ever more seldom.
 
     Who is in the crowd makes no difference: a crowd of a thousand, each of whom says one word and
     goes, writes no more than one who says a thousand words.
@@ -97,7 +97,7 @@ class CrowdLog:
 
     @property
     def wait(self) -> float:
-        """Return how long [s] until a sum is to be told, infinity where nothing is held back."""
+        """Return the time [s] to the next sum, infinity where nothing is held back."""
         due = min((tally.due for tally in self._tallies.values()), default=math.inf)
         return max(due - self._clock(), 0.0)
 

@@ -148,7 +148,7 @@ class Ports:
 
 
 def access_at(line: Connection, tokens: Mapping[str, str], waits: GuessWaits) -> Access:
-    """Return what a line has to say that came by itself, and how long its wrong tokens wait."""
+    """Return what is asked of a line that came, and what its wrong tokens cost."""
 
     def delay() -> float:
         wait = waits.count(line.machine)

@@ -22,6 +22,8 @@ from trainer.web.bridge import Reach
 from trainer.web.server import Certificate, serve
 
 PATIENCE: Final = 5.0  # [s] for a session to say whether it asks for a token
+OUT_OF_DATE: Final = (9, 10)  # X509_V_ERR_CERT_NOT_YET_VALID, X509_V_ERR_CERT_HAS_EXPIRED
+HANDSHAKE_ROUNDS: Final = 5  # in memory; three are needed
 
 
 class OpenError(LinkError):
@@ -156,13 +158,41 @@ def certificate_of(cert: Path | None, key: Path | None) -> Certificate | None:
             raise ConfigError(f"{option} {path}: {error.strerror}") from None
     try:
         # a key behind a password would be asked for, by a program that nobody looks at
-        ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(cert, key, password=lambda: b"")
+        server = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        server.load_cert_chain(cert, key, password=lambda: b"")
     except (OSError, ValueError):
         raise ConfigError(
             f"--cert {cert}, --key {key}: not a certificate and its own key, both PEM, the key "
             "without a password"
         ) from None
+    if why := out_of_date(server, cert):
+        raise ConfigError(f"--cert {cert}: {why}: no browser takes it; make a new one")
     return Certificate(cert, key)
+
+
+def out_of_date(server: ssl.SSLContext, cert: Path) -> str:
+    """Return that a certificate has expired or is not valid yet, "" within its time.
+
+    A client that trusts the certificate itself finds out, by a handshake in memory.
+    """
+    trusting = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    trusting.check_hostname = False  # its name is the browser's business
+    trusting.verify_flags |= ssl.VerifyFlags.VERIFY_X509_PARTIAL_CHAIN
+    trusting.load_verify_locations(cert)
+    there, back = ssl.MemoryBIO(), ssl.MemoryBIO()
+    client = trusting.wrap_bio(back, there)
+    host = server.wrap_bio(there, back, server_side=True)
+    for _ in range(HANDSHAKE_ROUNDS):
+        for end in (client, host):
+            try:
+                end.do_handshake()
+            except ssl.SSLWantReadError:
+                continue
+            except ssl.SSLCertVerificationError as error:
+                return error.verify_message if error.verify_code in OUT_OF_DATE else ""
+            except ssl.SSLError:  # what else is wrong with it a browser says
+                return ""
+    return ""
 
 
 def asks_token(url: str) -> bool:

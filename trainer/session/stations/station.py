@@ -144,7 +144,7 @@ class Station:
 
     @property
     def late(self) -> float:
-        """Return how long [s] the answer to a wrong token is kept back, infinity where none is."""
+        """Return the time [s] to the answer that is kept back, infinity without one."""
         return max(self._late.due - self._clock(), 0.0) if self._late else math.inf
 
     @property
