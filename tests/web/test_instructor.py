@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 from helpers.hands import WAYS, await_truth, read, see_whole, work
-from helpers.pages import PATIENCE, SIZES, Served
-from playwright.sync_api import Page, expect
+from helpers.pages import PATIENCE, QUIET, SIZES, Served, find_chromium
+from playwright.sync_api import Browser, Page, expect
 from soak.session_process import Caller
 
 Serve = Callable[..., Served]
@@ -397,6 +397,72 @@ def test_two_instructors_see_the_same_and_one_has_command(
     first.get_by_role("button", name="Give command").click()
     expect(second.locator("#command")).to_contain_text("You have command")
     expect(first.locator("#command")).to_contain_text("You watch")
+
+
+@pytest.fixture
+def another(browser: Browser) -> Iterator[Browser]:
+    """Return a second Chromium, a process of its own."""
+    with browser.browser_type.launch(executable_path=find_chromium(), args=QUIET) as opened:
+        yield opened
+
+
+def test_command_goes_between_two_browsers_and_comes_back_when_one_dies(
+    serve: Serve, look: Look, another: Browser
+) -> None:
+    session = serve()
+    first = settled(session, look)
+    expect(first.locator("#aboard")).to_have_text("no station aboard")
+
+    def look_there(_: Served, name: str, size: str, **__: object) -> Page:
+        width, height = SIZES[size]
+        page = another.new_page(viewport={"width": width, "height": height})
+        page.goto(f"{session.url}/{name}")
+        return page
+
+    second = settled(session, look_there)
+    pages = first, second
+    holds, watches = ("You have command", "has command. You watch and mark")
+    expect(first.locator("#command")).to_contain_text(holds)
+    expect(second.locator("#command")).to_contain_text(watches)
+
+    order(second, "depth 95")
+    expect(second.locator("#log li").first).to_contain_text("take command asks for it")
+    order(first, "casualty stern-stuck")
+    order(first, "depth 85")
+    order(second, "mark seen by the second")  # who watches marks
+    for page in pages:
+        expect(page.locator("#log")).to_contain_text("seen by the second")
+        expect(page.locator("#log")).to_contain_text("depth 85")
+    order(first, "step 3")
+    for page in pages:
+        expect(page.locator("#truth tr[data-of='depth'] .ordered")).to_have_text("85")
+        expect(page.locator("#time")).to_have_text("00:01")
+    expect(second.locator("#truth")).to_have_text(first.locator("#truth").text_content() or "none")
+
+    second.get_by_role("button", name="Take command").click()
+    first.get_by_role("button", name="Keep command").click()
+    expect(second.locator("#log")).to_contain_text("keeps command")
+    expect(second.locator("#command")).to_contain_text(watches)
+    second.get_by_role("button", name="Take command").click()
+    expect(first.locator("#command")).to_contain_text("asks for command")
+    expect(second.locator("#command")).to_contain_text(holds)  # who does not answer has lost it
+    expect(first.locator("#command")).to_contain_text(watches)
+    order(first, "depth 100")
+    expect(first.locator("#log li").first).to_contain_text("take command asks for it")
+
+    another.close()  # as a machine does that loses power
+
+    expect(first.locator("#command")).to_be_hidden()
+    order(first, "depth 100")
+    expect(first.locator("#log li").first).to_contain_text("depth 100")
+    first.locator("#step").click()
+    expect(first.locator("#truth tr[data-of='depth'] .ordered")).to_have_text("100")
+
+
+def order(page: Page, words: str) -> None:
+    """Give an order at a page's order line."""
+    page.locator("#order").fill(words)
+    page.keyboard.press("Enter")
 
 
 @pytest.mark.usefixtures("caller")

@@ -243,6 +243,8 @@ class Command:
             self._pass_to(next(iter(self._instructors()), None))
         elif self.asker and self.clock() >= self.until:
             self._pass_to(self.asker)
+        elif self.asker:
+            self._alarm.set(self.until - self.clock())
 
     def barred(self, asked: Asked) -> str:
         """Return why an instructor may not order this now, "" if anybody may."""

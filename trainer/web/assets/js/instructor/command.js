@@ -31,6 +31,7 @@ class CommandBar {
     this.holder = ""; // "" is this page
     this.several = false;
     this.asker = "";
+    this.timer = 0; // of the question that is asked now
   }
 
   /** Finds out who has command; `keep command` changes nothing where nobody asks for it. */
@@ -51,7 +52,8 @@ class CommandBar {
     if (this.holder) return;
     this.asker = asker;
     this.draw();
-    setTimeout(() => this.settle(), OFFERED);
+    clearTimeout(this.timer); // of a question before, which would keep command unasked
+    this.timer = setTimeout(() => this.settle(), OFFERED);
   }
 
   settle() {
