@@ -388,6 +388,22 @@ def test_silent_strangers_give_way_and_keep_nobody_out_of_the_local_socket(
         assert here.heard(talking[1], 1) == ["run"]
 
 
+def test_strangers_who_have_hung_up_or_guessed_wrong_give_way_before_the_oldest() -> None:
+    with control() as here, ExitStack() as guests:
+        here.hub._introduction = 600.0  # noqa: SLF001  who they are is asked for
+        came = [guests.enter_context(client(here)) for _ in range(STRANGERS)]
+        guesser, gone = came[-1], came[-2]
+        guesser[1].grant(0.0)
+        gone[0].shutdown(socket.SHUT_WR)
+        assert here.wait(lambda: gone[1].ended)
+
+        for leaver in (gone, guesser, came[0]):
+            guests.enter_context(client(here))
+            assert b"your place is needed" in read_lines(leaver[0], 1)[0]
+            assert leaver[1].leaving
+        assert not any(line.leaving for _, line in came[1:-2])
+
+
 def test_who_does_not_say_who_he_is_in_time_is_told_and_closed() -> None:
     wake = threading.Event()
     hub = Server(wake, introduction=0.2)

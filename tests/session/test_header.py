@@ -267,6 +267,24 @@ def test_of_many_changed_lines_the_first_are_told_and_the_others_counted() -> No
     assert told[10:] == ["f: and 90 more lines"]
 
 
+def test_a_recording_from_before_the_key_of_visitors_is_the_same_run() -> None:
+    _, _, header = recorded_run(RunOptions(exercise="visitor-dive", equations="full"))
+    texts = json.loads(header["texts"])
+    (key,) = (key for key in texts if key.endswith("visitor-dive.toml"))
+    lines = texts[key].splitlines(keepends=True)
+    earlier = [line for line in lines if not line.startswith("visitors")]
+    assert len(earlier) == len(lines) - 1
+
+    texts[key] = "".join(earlier)
+    header["texts"] = json.dumps(texts)
+    assert differences(header) == []
+    assert not plan_of(header).visitors
+
+    texts[key] = "".join(earlier).replace("depth_m = 18", "depth_m = 19")
+    header["texts"] = json.dumps(texts)
+    assert len(differences(header)) == 2  # every line is told where anything is flown otherwise
+
+
 def test_another_version_core_or_state_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     _, _, header = recorded_run(RunOptions(equations="full"))
     digest, header["core"] = header["core"], "0123456789abcdef"

@@ -1,6 +1,7 @@
 """A page with a boat inside: one file, opened from a disk, in a browser without a network."""
 
 import base64
+import contextlib
 import hashlib
 import json
 import os
@@ -31,7 +32,7 @@ from trainer.analysis.bench.standard_hour import standard_boat
 from trainer.analysis.boat_page import page_of, write_page
 from trainer.analysis.debrief.page import Asked, debrief_file
 from trainer.cli.export import boat_at_start, page_text
-from trainer.config.files import ConfigError
+from trainer.config.files import ConfigError, read_text, shipped
 from trainer.io.recording.recording import Recording
 from trainer.session.options import RunOptions
 from trainer.web import single_file as maker
@@ -277,6 +278,86 @@ def test_a_recording_is_seen_and_taken_over_and_its_markup_stays_text(
     page.press("#order", "Enter")
     expect(page.locator("#log")).to_contain_text("rudder right 5")
     assert page.locator("img").count() == 0
+
+
+HOSTILE: list[str] = [
+    "</script><script>window.bad = 1</script>",
+    "<img src=x onerror=window.bad=1>",
+    "<svg onload=window.bad=1><!--<script>",
+    "]]><![CDATA[<b onclick=window.bad=1>",
+    "{{7*7}} ${window.bad=1} \\u003cscript\\u003e",
+    "\"'`><iframe srcdoc='<script>top.bad=1</script>'>",
+]
+UNSEEN: list[
+    str
+] = [  # no file of ours may have these; a recording may, since anybody can write one
+    "one\u2028two\u2029three",
+    "abc\u202egpj.exe\u2066\u2069",
+    "bell\x07 escape\x1b[2J nul\x01",
+]
+ATTACKED = """
+schema = "exercise/1"
+name = {name}
+briefing = {briefing}
+vessel = "./hull.toml"
+casualty_table = "table.toml"
+duration_s = 20
+"""
+
+
+BREAKS = """
+schema = "casualties/1"
+name = "Own"
+
+[casualty.own-jam]
+kind = "stern-stuck"
+description = {says}
+severity = 1.0
+"""
+
+
+@pytest.fixture(scope="module")
+def attacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a recording whose every text is hostile, in a file of a hostile name."""
+    folder = tmp_path_factory.mktemp("attacked")
+    hull = read_text(shipped("vessels", "bb2"))
+    name = json.dumps(HOSTILE[0])
+    hull = re.sub(r'^name = "Joubert.*$', lambda _: f"name = {name}", hull, flags=re.MULTILINE)
+    (folder / "hull.toml").write_text(hull, encoding="utf-8")
+    (folder / "table.toml").write_text(BREAKS.format(says=json.dumps(HOSTILE[5])), encoding="utf-8")
+    (folder / "drill.toml").write_text(
+        ATTACKED.format(name=json.dumps(HOSTILE[1]), briefing=json.dumps("\n".join(HOSTILE))),
+        encoding="utf-8",
+    )
+    path = record(folder / "<img src=x onerror=bad()>.trainer", str(folder / "drill.toml"), {})
+    with contextlib.closing(Recording.reopen(path)) as recording:
+        for tick, text in enumerate([*HOSTILE, *UNSEEN], 1):
+            for kind in ("mark", "exercise", "watch", "station", text):
+                recording.event(tick, kind, text, text)
+            recording.answered(recording.order(tick, text, text, None), text, accepted=True)
+    return path
+
+
+@pytest.mark.parametrize("station", ["instructor", "pilot", "observer"])
+def test_no_text_of_a_recording_runs_in_its_page_and_each_is_shown_as_text(
+    opened: Open, attacked: Path, station: str
+) -> None:
+    page = opened(text_of(attacked, station))
+    expect(page.locator("#state")).to_have_attribute("data-state", "frozen")
+    expect(page.locator("#time")).to_have_text("00:20 / 00:20")
+    if station == "instructor":
+        for text in (*HOSTILE, "one\\u2028two", "abc\\u202egpj.exe", "escape\\x1b[2J"):
+            expect(page.locator("#log")).to_contain_text(text)
+        for words in ("mark again", "depth 80", "casualty stern-stuck"):
+            page.fill("#order", words)
+            page.press("#order", "Enter")
+        page.keyboard.press("End")
+
+    assert page.evaluate("window.bad") is None
+    assert page.locator("img, iframe, main script, [onload], [onerror], [onclick]").count() == 0
+    assert page.locator("script:not([type])").count() == 1  # the page's own
+    shown = page.evaluate("document.body.innerText + document.title")
+    assert not re.search("[\u2028\u2029\u202a-\u202e\u2066-\u2069\x07\x1b]", shown)
 
 
 def test_a_boats_name_with_markup_stays_text(opened: Open) -> None:

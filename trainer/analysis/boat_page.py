@@ -33,6 +33,7 @@ from trainer.core.sea.sea import HEIGHT, OMEGA
 from trainer.core.state import CASUALTIES, SCRATCH, VALVES
 from trainer.core.surfaces import SURFACES
 from trainer.io.atomic_write import write_whole
+from trainer.io.lines import plain
 from trainer.io.orders.quantities import NUMBERS, Number
 from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAMES, SETS, SIGNS
 from trainer.io.recording.recording import Branch, Journalled, Recording
@@ -189,10 +190,12 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
         refuse_world(recording, plan, path.name)
         flown = [fly(recording, each, boat, plan, layout) for each in recording.branches()]
         told = {
-            "from": path.name,
+            "from": plain(path.name),
             "branches": flown,
             "orders": orders_of(recording),
-            "events": [(e.branch, e.tick, e.kind, e.text) for e in recording.events()],
+            "events": [
+                (e.branch, e.tick, plain(e.kind), plain(e.text)) for e in recording.events()
+            ],
             "exercise": exercise_of(plan),
         }
         plan.start(boat)
@@ -222,7 +225,7 @@ def orders_of(recording: Recording) -> list[tuple[int, int, str]]:
     given: list[tuple[int, int, str]] = []
     for branch in recording.branches():
         own = recording.orders(branch.id, branch.after)
-        given += [(each.branch, each.tick, each.text) for each in own if each.accepted]
+        given += [(each.branch, each.tick, plain(each.text)) for each in own if each.accepted]
     return given
 
 
@@ -253,7 +256,7 @@ def fly(
         "parent": branch.parent or 0,
         "begun": branch.tick,
         "last": last,
-        "why": branch.why,
+        "why": plain(branch.why),
         "state": base64.b64encode(begun).decode("ascii"),
         "before": before,
         "after": after,

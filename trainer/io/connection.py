@@ -67,6 +67,7 @@ class Connection:
         self.trouble = ""
         self.dropped = 0
         self.known = False  # it has said who it is
+        self.guessed = False  # wrong, who it might be
         self.local = False  # it is of this machine and this user
         self.machine = ""  # where it comes from, once that is known
         self.introduce_by = math.inf  # [s]  when that has to be said
@@ -102,6 +103,14 @@ class Connection:
         return not (self.known or self.local)
 
     @property
+    def worth(self) -> tuple[bool, bool]:
+        """Return how much its place is worth among strangers; False counts less than True.
+
+        Who has hung up needs none, and who has guessed wrong less than who may be about to say it.
+        """
+        return not self._over, not self.guessed
+
+    @property
     def room(self) -> bool:
         """Return whether little waits to go out."""
         return len(self._said) < MOST_SAID // 4 and self._said_bytes < MOST_BYTES // 4
@@ -111,8 +120,9 @@ class Connection:
         self.known = True
 
     def grant(self, seconds: float) -> None:
-        """Give it so many seconds more to say who is here."""
+        """Give it seconds more to say who is here: it has guessed wrong."""
         self.introduce_by += seconds
+        self.guessed = True
 
     def take(self, most: int) -> list[str | Overlong]:
         """Return the oldest lines that have come, at most so many."""

@@ -353,11 +353,15 @@ class Server:
         self._wake.set()
 
     def _make_room(self) -> None:
-        """Let the oldest stranger go if there are too many: places are kept for those known."""
+        """Let a stranger go if there are too many, the oldest of those worth least.
+
+        Places are kept for those known.
+        """
         strangers = [each for each in self._connections if each.stranger and not each.leaving]
         if len(strangers) >= STRANGERS:
-            strangers[0].send("? your place is needed: say who you are at once when you come")
-            strangers[0].close(LAST_WORDS)
+            leaver = min(strangers, key=lambda each: each.worth)
+            leaver.send("? your place is needed: say who you are at once when you come")
+            leaver.close(LAST_WORDS)
 
     def _name(self, address: tuple[str, int] | str) -> str:
         if isinstance(address, tuple):

@@ -9,6 +9,7 @@ Some have ``width``, by which it is judged, and ``trainees``, names as JSON.
 
 import json
 import platform
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import asdict, fields, replace
@@ -66,6 +67,8 @@ PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
 }
 TRAINEES: Final = "trainees"
 LONGEST_NAME: Final = 60  # [characters]
+# a key of exercises that came later, and changes nothing of how the boat is flown
+FLIES_NOTHING: Final = re.compile(r"^visitors[ \t]*=.*\n", re.MULTILINE)
 LARGEST: Final = 2.0**63  # of a number among the options
 LIBRARIES: Final = ("numpy", "numba")
 NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
@@ -251,7 +254,8 @@ def _other_texts(header: Mapping[str, str]) -> Iterator[str]:
         except ConfigError as wrong:
             yield f"{wrong}; it was read when this was recorded"
         else:
-            yield from changes(key, now, was)
+            if FLIES_NOTHING.sub("", now) != FLIES_NOTHING.sub("", was):
+                yield from changes(key, now, was)
 
 
 def _other_plan(header: Mapping[str, str], otherwise: Mapping[str, Any]) -> Iterator[str]:
