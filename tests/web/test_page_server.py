@@ -500,6 +500,7 @@ def test_a_page_that_vanishes_is_noticed_by_ping_and_one_that_idles_stays() -> N
             "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n".encode()
         )
         wait_until(lambda: len(stub.sessions) == 2)
+        assert stub.sessions[1].recv(4096).startswith(b"PROXY TCP4 127.0.0.1 ")  # whose line it is
         assert stub.sessions[1].recv(1) == b""  # it answers no ping
 
         stub.sessions[0].sendall(b"still here\n")  # after a dozen pings
