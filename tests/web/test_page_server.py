@@ -27,6 +27,7 @@ from helpers.wire import (
     request,
 )
 from playwright.sync_api import Browser, Page, expect
+from soak.session_process import Caller
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
@@ -34,7 +35,6 @@ from trainer import __version__
 from trainer.cli.main import cli
 from trainer.config import extras
 from trainer.config.files import ConfigError
-from trainer.verify.soak.session_process import Caller
 from trainer.web.address import Address, announce
 from trainer.web.bridge import (
     A_MACHINE,
