@@ -437,7 +437,9 @@ def test_command_goes_between_two_browsers_and_comes_back_when_one_dies(
     for page in pages:
         expect(page.locator("#truth tr[data-of='depth'] .ordered")).to_have_text("85")
         expect(page.locator("#time")).to_have_text("00:01")
-    expect(second.locator("#truth")).to_have_text(first.locator("#truth").text_content() or "none")
+    until = time.monotonic() + PATIENCE  # the last of three ticks may be on its way to one of them
+    while len({page.locator("#truth").text_content() for page in pages}) > 1:
+        assert time.monotonic() < until
 
     second.get_by_role("button", name="Take command").click()
     first.get_by_role("button", name="Keep command").click()
