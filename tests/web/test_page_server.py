@@ -1,9 +1,12 @@
 """The pages' server: who may come in, what is refused, what comes back by itself."""
 
 import contextlib
+import functools
 import http.client
+import operator
 import os
 import re
+import shutil
 import signal
 import socket
 import ssl
@@ -35,6 +38,9 @@ from trainer import __version__
 from trainer.cli.main import cli
 from trainer.config import extras
 from trainer.config.files import ConfigError
+from trainer.io.noise_log import MOST, WHILE
+from trainer.io.orders.sentences import read
+from trainer.session.page_server import SILENCE_TIMEOUT_S
 from trainer.web.address import Address, announce
 from trainer.web.bridge import (
     A_MACHINE,
@@ -57,7 +63,7 @@ OLDER = """new MutationObserver(() => {
   const page = document.documentElement;
   if (page?.dataset.version > "0.0.9") page.dataset.version = "0.0.9";
 }).observe(document, { childList: true, subtree: true });"""
-FEW = 40  # lines that a flood of refusals may be told in
+FEW = 20  # lines that a session says of itself
 
 
 def said(session: Served) -> str:
@@ -400,6 +406,7 @@ def test_a_frame_too_long_to_be_read_closes_its_line(shared: Served) -> None:
 
 def test_ten_thousand_frames_and_refusals_move_no_tick_and_fill_no_log(serve: Serve) -> None:
     session = serve("--no-record", frozen=False)
+    begun = time.monotonic()
     with dialled(session.port) as helm:
         assert ask(helm, "role helm")[0] == "ok"
         with dialled(session.port) as line, contextlib.suppress(ConnectionClosed):
@@ -416,11 +423,57 @@ def test_ten_thousand_frames_and_refusals_move_no_tick_and_fill_no_log(serve: Se
     assert session.process.wait(PATIENCE) == 0
 
     told = said(session)
-    assert len(told.splitlines()) < FEW, told
+    whiles = (time.monotonic() - begun) // WHILE + 1
+    assert len(told.splitlines()) < FEW + whiles * (MOST + 1), told
     assert "frames a second: its line is closed" in told
     assert "more of the same" in told
     assert "\x9b" not in told
     assert re.search(r"overruns 0, caught up 0, slipped 0, gaps 0", told)
+
+
+def summed(body: str) -> str:
+    """Return a sentence with its sum."""
+    return f"${body}*{functools.reduce(operator.xor, body.encode()):02X}"
+
+
+FORGED = {
+    "a fact of the session": summed("TRF,1,0.5,debrief,/etc/hostname"),
+    "an event of the session": summed("TRE,1,0.5,casualty,jam"),
+    "an answer of the session": summed("TRA,7,ok,the role is yours"),
+    "an order without its sum": "$TRO,7,role helm",
+    "an order with a wrong sum": "$TRO,7,role helm*00",
+    "an order for a role with another's word": summed("TRO,7,role planes wrong"),
+    "what the line of another browser has carried": summed("TRO,7,role planes"),
+    "two orders in one": summed("TRO,7,role helm") + summed("TRO,8,quit"),
+    "a tag without end": summed(f"TRO,{'9' * 60},role helm"),
+    "no tag": summed("TRO,,role helm"),
+    "a word in the tag": summed("TRO,role helm,role helm"),
+}
+
+
+@pytest.mark.parametrize("forged", FORGED)
+def test_a_forged_or_replayed_sentence_gives_no_role_no_word_and_no_debrief(
+    guarded: Served, forged: str
+) -> None:
+    cookies = f"word-helm={WORD}; word-instructor=wrong"
+    with dialled(guarded.port, cookies=cookies) as line:
+        for _ in range(3):
+            line.send(FORGED[forged])
+        heard = []
+        with contextlib.suppress(TimeoutError, ConnectionClosed):
+            while True:
+                heard.append(str(line.recv(1.0)))
+    with dialled(guarded.port, cookies=f"word-helm={WORD}") as line:
+        assert ask(line, "role instructor")[0] == "no"
+        assert ask(line, "role helm")[0] == "ok"
+        assert ask(line, "quit")[0] == "no"
+
+    sentences = [sentence for sentence in map(read, heard) if sentence]
+    answers = [sentence.fields[0] for sentence in sentences if sentence.kind == "TRA"]
+    assert answers == ["no"] * 3
+    assert not any("debrief-page" in sentence.fields for sentence in sentences)
+    assert WORD not in "".join(heard)
+    assert WORD not in said(guarded)
 
 
 def test_markup_in_a_remark_is_carried_as_words(shared: Served) -> None:
@@ -529,6 +582,112 @@ def test_a_killed_server_comes_back_at_its_address_and_its_pages_by_themselves(
     )
 
 
+def test_a_server_that_is_stopped_is_begun_again_and_its_pages_come_back(
+    serve: Serve, look: Look
+) -> None:
+    session = serve()
+    page = look(session, "helm")
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    first = child_of(session.process.pid)
+
+    os.kill(first, signal.SIGSTOP)
+
+    wait_until(lambda: child_of(session.process.pid) not in {0, first})
+    expect(page.locator("#state")).to_have_text("FROZEN", timeout=1e3 * PATIENCE)
+    assert request(session.port, "/helm").status == 200
+    instructor = session.attach()
+    wait_until(lambda: instructor.ask("log")[0] and any("hangs" in x for x in instructor.said))
+
+
+def test_a_server_that_was_stopped_together_with_its_session_is_left_alone(serve: Serve) -> None:
+    session = serve()
+    server = child_of(session.process.pid)
+    both = (session.process.pid, server)
+    for process in both:
+        os.kill(process, signal.SIGSTOP)
+    time.sleep(SILENCE_TIMEOUT_S + 2)
+    for process in both:
+        os.kill(process, signal.SIGCONT)
+
+    time.sleep(3)  # it would be killed in the first second
+    assert child_of(session.process.pid) == server
+    assert request(session.port, "/helm").status == 200
+
+
+def test_a_page_says_that_its_session_is_stopped_and_comes_back_with_it(
+    serve: Serve, look: Look
+) -> None:
+    session = serve("--no-record", frozen=False)
+    page = look(session, "helm")
+    expect(page.locator("#state")).to_have_text("RUNNING")
+
+    session.process.send_signal(signal.SIGSTOP)
+    expect(page.locator("#state")).not_to_have_text("RUNNING", timeout=1e3 * PATIENCE)
+    session.process.send_signal(signal.SIGCONT)
+
+    expect(page.locator("#state")).to_have_text("RUNNING", timeout=1e3 * PATIENCE)
+
+
+@pytest.fixture
+def limit_descriptors() -> Callable[[int, int], None]:
+    """Return what leaves a process so many descriptors of files."""
+    resource = pytest.importorskip("resource")
+    if not hasattr(resource, "prlimit"):
+        pytest.skip("this system sets no limits of another process")
+
+    def limit(process: int, most: int) -> None:
+        hard = resource.prlimit(process, resource.RLIMIT_NOFILE)[1]
+        resource.prlimit(process, resource.RLIMIT_NOFILE, (most, hard))
+
+    return limit
+
+
+def test_a_server_out_of_descriptors_still_serves_who_asks_for_something(
+    serve: Serve, limit_descriptors: Callable[[int, int], None]
+) -> None:
+    session = serve()
+    assert request(session.port, "/helm").status == 200  # it has begun, and asked for its own
+    limit_descriptors(child_of(session.process.pid), 24)
+    with contextlib.ExitStack() as silent:
+        for _ in range(100):
+            silent.enter_context(socket.create_connection(("127.0.0.1", session.port), PATIENCE))
+        assert request(session.port, "/helm").status == 200
+        with dialled(session.port) as line:
+            assert ask(line, "role helm")[0] == "ok"
+    assert "no room for a connection: Too many open files" in said(session)
+
+
+def test_a_session_out_of_descriptors_begins_its_pages_again_once_it_has_some(
+    serve: Serve, limit_descriptors: Callable[[int, int], None]
+) -> None:
+    session = serve()
+    instructor = session.attach()
+    before = len(list(Path(f"/proc/{session.process.pid}/fd").iterdir()))
+    limit_descriptors(session.process.pid, before)
+
+    os.kill(child_of(session.process.pid), signal.SIGKILL)
+    wait_until(
+        lambda: instructor.ask("log")[0] and any("cannot begin" in x for x in instructor.said)
+    )
+    limit_descriptors(session.process.pid, 1024)
+
+    assert request(session.port, "/helm").status == 200
+
+
+def test_pages_are_served_and_end_where_the_time_of_day_is_a_made_up_one(tmp_path: Path) -> None:
+    faketime = shutil.which("faketime")
+    if faketime is None:
+        pytest.skip("no faketime: install the package faketime")
+    words = ["run", "--web", "--web-at", "127.0.0.1:0", "--no-record", "--duration", "10"]
+    made_up = (faketime, "--exclude-monotonic", "-f", "+400d")
+    with program(tmp_path, *words, before=made_up) as process:
+        found = re.search(r"127.0.0.1:([0-9]+)/", await_said(process, "pages at"))
+        assert found
+        assert request(int(found[1]), "/helm").status == 200
+        _, told = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0, told
+
+
 def test_a_killed_session_takes_its_pages_server_with_it(serve: Serve) -> None:
     session = serve()
 
@@ -569,10 +728,12 @@ def test_the_next_exercise_is_at_the_same_address(serve: Serve) -> None:
 
 
 @contextlib.contextmanager
-def program(folder: Path, *words: str, **own: str) -> Iterator[subprocess.Popen[str]]:
-    """Run a command of the trainer while the block lasts."""
+def program(
+    folder: Path, *words: str, before: tuple[str, ...] = (), **own: str
+) -> Iterator[subprocess.Popen[str]]:
+    """Run a command of the trainer while the block lasts, by another command ``before`` it."""
     with subprocess.Popen(
-        [sys.executable, "-m", "trainer", *words],
+        [*before, sys.executable, "-m", "trainer", *words],
         env={**environment(), "XDG_RUNTIME_DIR": str(folder), "BROWSER": "true", **own},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
@@ -719,7 +880,7 @@ def test_run_opens_its_pages_and_takes_another_port_where_the_usual_is_taken(
 def test_without_a_browser_the_user_is_told_what_to_open(tmp_path: Path) -> None:
     words = ["web", "--connect", str(tmp_path / "none"), "--web", "127.0.0.1:0"]
     nowhere = {"PATH": str(tmp_path), "BROWSER": "", "DISPLAY": "", "WAYLAND_DISPLAY": ""}
-    with program(tmp_path, *words, **nowhere) as process:
+    with program(tmp_path, *words, before=(), **nowhere) as process:
         told = await_said(process, "no browser was found")
     assert re.search(r"no session listens there.*the pages wait for one", told)
     assert re.search(r"no browser was found: open http://127.0.0.1:[0-9]+/ in one", told)

@@ -27,7 +27,8 @@ from trainer.io.orders import sentences
 from trainer.io.orders.grammar import LONGEST, Order
 from trainer.io.orders.sentences import LONGEST_ANSWER
 from trainer.io.serial_line import LinkError
-from trainer.web.gate import LOOPBACK, Refusals
+from trainer.web.admission import THIS_MACHINE, machine_of
+from trainer.web.gate import Refusals
 
 # Why a page's line is closed; a page says what to do about each.
 NO_SESSION: Final = 4001
@@ -81,20 +82,21 @@ class RefusedError(Exception):
     """A frame that could not be an order; the text says why."""
 
 
-@dataclass
 class Allowance:
-    """The frames that a page may still send: so many a second."""
+    """The frames, or bytes, that a page may still send: so many a second."""
 
-    left: float = FRAMES_AT_ONCE
-    since: float = field(default_factory=time.monotonic)
+    def __init__(self, rate: float, most: float) -> None:
+        """Allow ``rate`` a second, and ``most`` at once."""
+        self._rate, self._most = rate, most
+        self._left = most
+        self._since = time.monotonic()
 
-    def take(self) -> None:
-        """Count a frame; RefusedError where there are too many."""
+    def covers(self, amount: float) -> bool:
+        """Take an amount off; return whether there was enough."""
         now = time.monotonic()
-        self.left = min(self.left + (now - self.since) * FRAMES_A_SECOND, FRAMES_AT_ONCE) - 1
-        self.since = now
-        if self.left < 0:
-            raise RefusedError(f"more than {FRAMES_A_SECOND} frames a second")
+        self._left = min(self._left + (now - self._since) * self._rate, self._most) - amount
+        self._since = now
+        return self._left >= 0
 
 
 @dataclass
@@ -112,7 +114,7 @@ class Bridge:
         ``words`` are the tokens that this browser keeps, by role.
         """
         try:
-            with self.place(page.client.host if page.client else ""):
+            with self.place(machine_at(page)):
                 end = await asyncio.to_thread(self.reach)
                 shelf = self.shelf if is_here(end) else None
                 local = not isinstance(end.getpeername(), tuple)  # a session of this user
@@ -129,7 +131,7 @@ class Bridge:
     @contextlib.contextmanager
     def place(self, machine: str) -> Iterator[None]:
         """Keep a place for a page inside the block; RefusedError without room."""
-        if machine in LOOPBACK:
+        if machine == THIS_MACHINE:
             yield
             return
         if self.machines[machine] >= A_MACHINE:
@@ -191,7 +193,7 @@ class Bridge:
         self, page: WebSocket, writer: asyncio.StreamWriter, words: Mapping[str, str]
     ) -> None:
         """Carry the page's lines to the session."""
-        allowance = Allowance()
+        allowance = Allowance(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         try:
             while True:
                 line = checked(await page.receive(), allowance)
@@ -208,7 +210,8 @@ def checked(message: Mapping[str, object], allowance: Allowance) -> str:
     """Return the line in a frame; RefusedError if it could not be one."""
     if message["type"] == "websocket.disconnect":
         raise WebSocketDisconnect
-    allowance.take()
+    if not allowance.covers(1):
+        raise RefusedError(f"more than {FRAMES_A_SECOND} frames a second")
     text = message.get("text")
     if not isinstance(text, str):
         raise RefusedError("a frame that is no text")
@@ -217,6 +220,11 @@ def checked(message: Mapping[str, object], allowance: Allowance) -> str:
     if not LINE.fullmatch(text):
         raise RefusedError("a frame that is not one line of plain ASCII")
     return text
+
+
+def machine_at(page: WebSocket) -> str:
+    """Return what the lines of a page's machine are counted under."""
+    return machine_of(page.client.host, page.scope["server"][0]) if page.client else ""
 
 
 def is_here(end: socket) -> bool:
