@@ -192,7 +192,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
             "from": path.name,
             "branches": flown,
             "orders": orders_of(recording),
-            "events": [(e.branch, e.tick, e.kind, e.text) for e in recording.events()],
+            "events": [(e.branch, e.tick, e.kind, e.text) for e in recording.first_events()],
             "exercise": exercise_of(plan),
         }
         plan.start(boat)
