@@ -83,7 +83,6 @@ class Session:
 
     def __post_init__(self) -> None:
         self.event_log = log = EventLog(self.history)
-        self.history.recording.wake = self.wake.set
         self.control = Control(self.boat, self.time, self.history, self.schedule)
         self.conduct = Conduct(self.control, log, self._show, self.wake.set, hand=self.hand)
         self.depths = DepthMonitor.over(self.boat)
@@ -152,7 +151,6 @@ class Session:
     def listen(self) -> None:
         """Admit newcomers, take what the stations say, and see out who has left."""
         self._visits.settle()
-        self.event_log.tell_trouble()
         self.conduct.tend()
         for station in self.reception.newcomers():
             if station.role is not STRANGER:  # who has to say who it is, is told nothing before
