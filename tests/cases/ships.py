@@ -25,21 +25,21 @@ from cases.reference_ships import (
     zigzag_rudder,
 )
 from trainer.core.kernel import Numbers
-from trainer.identify import uncertainty as uncertainty_module
-from trainer.identify.derived import nomoto_of
-from trainer.identify.estimate import estimate
+from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.minimise import Search
+from trainer.identify.fitting.nonlinear import Bent
+from trainer.identify.fitting.prediction_error import Innovations, no_gain
+from trainer.identify.fitting.problem import Problem
+from trainer.identify.judge import uncertainty as uncertainty_module
+from trainer.identify.judge.uncertainty import beside_bounds, uncertainty
+from trainer.identify.judge.validation import deterministic, draw_outputs
 from trainer.identify.kernels.nonlinear_steering import run_bent
-from trainer.identify.likelihood import Likelihood
-from trainer.identify.measurements import Samples
-from trainer.identify.minimise import Search
-from trainer.identify.models import Ship
+from trainer.identify.model.derived import nomoto_of
+from trainer.identify.model.models import Ship
+from trainer.identify.model.sampled import aside
 from trainer.identify.monte_carlo import Rehearsal
-from trainer.identify.nonlinear import Bent
-from trainer.identify.prediction_error import Innovations, no_gain
-from trainer.identify.problem import Problem
-from trainer.identify.sampled import aside
-from trainer.identify.uncertainty import beside_bounds, uncertainty
-from trainer.identify.validation import deterministic, draw_outputs
+from trainer.identify.record.measurements import Samples
 from trainer.units import DEGREE, KNOT
 
 if TYPE_CHECKING:

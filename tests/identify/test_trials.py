@@ -20,6 +20,7 @@ from trainer.config.sensors import Sensors
 from trainer.config.ship import ShipFile, parse_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import prbs
+from trainer.identify.record.sources import USUAL
 from trainer.identify.ships.fit import problem_of, search
 from trainer.identify.ships.trials import (
     LEAD,
@@ -30,7 +31,6 @@ from trainer.identify.ships.trials import (
     flown_trial,
     sensors_of,
 )
-from trainer.identify.sources import USUAL
 from trainer.units import KNOT
 
 PAGE = (ROOT / "docs" / "nonlinear-ships.md").read_text(encoding="utf-8")

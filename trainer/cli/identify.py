@@ -224,8 +224,8 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
     \b
     Example:  trainer decca run.toml --csv sway.csv --plot track.png
     """
-    from trainer.identify.decca_study import load_decca, load_readings, sail, write_track  # noqa: PLC0415  # noqa: PLC0415
     from trainer.identify.pages import decca as page  # noqa: PLC0415
+    from trainer.identify.record.decca_study import load_decca, load_readings, sail, write_track  # noqa: PLC0415  # noqa: PLC0415
 
     study = load_decca(file)
     sailed = sail(study, load_readings(study), smooth=smooth)
@@ -386,7 +386,7 @@ def new(
               trainer identify new zz20.csv --ship ship.toml
     """
     from trainer.config.files import as_typed  # noqa: PLC0415
-    from trainer.identify.proposal import write_proposal  # noqa: PLC0415
+    from trainer.identify.record.proposal import write_proposal  # noqa: PLC0415
     from trainer.identify.ships.proposal import fitting, write_ship_file  # noqa: PLC0415
 
     if ship:
@@ -442,7 +442,7 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
 
     report, orders = page.carry_out(study)
     if options["html"]:
-        from trainer.identify.pages.identify import sheet  # noqa: PLC0415
+        from trainer.identify.sheet import sheet  # noqa: PLC0415
 
         text = sheet(report.study, page.render(report), page.screens(orders), report)
         write_text(options["html"], text)
@@ -453,16 +453,17 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
 def fit_ship(study: Any, options: dict[str, Any]) -> "Identified":
     """Return a ship model fitted and what there is to say of it. ConfigError if it cannot be."""
     from trainer.boat import compilation  # noqa: PLC0415
-    from trainer.identify.pages import identify as page  # noqa: PLC0415
+    from trainer.identify.pages.results import carry_out  # noqa: PLC0415
 
     with compilation.announced(FITS, tell, "fits", "identify/kernels"):
-        return page.carry_out(study, options, show_step)
+        return carry_out(study, options, show_step)
 
 
 def _model(study: Any, options: dict[str, Any]) -> int:
     """Fit a ship model and show it; return the exit code."""
-    from trainer.identify.outcome import nomoto_text, vessel_text, write_series  # noqa: PLC0415
     from trainer.identify.pages import identify as page  # noqa: PLC0415
+    from trainer.identify.pages.series import write_series  # noqa: PLC0415
+    from trainer.identify.pages.ship_files import nomoto_text, vessel_text  # noqa: PLC0415
 
     found = fit_ship(study, options)
     report = found.report
@@ -473,7 +474,6 @@ def _model(study: Any, options: dict[str, Any]) -> int:
     if options["csv"]:
         write_series(found.fitted, options["csv"])
     if options["html"]:
-        text = page.sheet(report.study, page.render(report), page.screens(found), report)
-        write_text(options["html"], text)
+        write_text(options["html"], page.sheet(found))
     show(report, page.render, lambda: page.screens(found), options)
     return 0 if report.converged else 1

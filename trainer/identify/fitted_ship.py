@@ -13,22 +13,23 @@ from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, path_named
 from trainer.config.ship import ShipFile, load_ship, ship_text
 from trainer.core.kernel import Numbers
-from trainer.identify import fitting
-from trainer.identify.frames import arrays_of, columns_of, names_of, record_of, scale_of
-from trainer.identify.minimise import unheard
-from trainer.identify.models import UNITS as OUTPUT_UNITS
+from trainer.identify.fitting.minimise import unheard
+from trainer.identify.judge import fitted as fitting
+from trainer.identify.judge.validation import alone, other_problem, other_record
+from trainer.identify.model.models import UNITS as OUTPUT_UNITS
 from trainer.identify.options import as_asked, study_of
-from trainer.identify.outcome import matrices_of, nomoto_text, series_of, vessel_text
 from trainer.identify.pages.identify import render, screens
 from trainer.identify.pages.results import Identified, ShipNumber, describe
+from trainer.identify.pages.series import matrices_of, series_of
+from trainer.identify.pages.ship_files import nomoto_text, vessel_text
+from trainer.identify.record.frames import arrays_of, columns_of, names_of, record_of, scale_of
+from trainer.identify.record.sources import FURTHER_CHANNELS, factor
+from trainer.identify.record.study import Study, observe, plain_study
+from trainer.identify.record.study_records import METHODS, MODELS, NOISES, ParameterRow
 from trainer.identify.ships import page as ships_page
-from trainer.identify.ships.records import FURTHER, OF_ROLL, Trial, load_trial, trial_of
+from trainer.identify.ships.records import OF_ROLL, Trial, load_trial, trial_of
 from trainer.identify.ships.results import Identified as IdentifiedShip
 from trainer.identify.ships.results import fit_trials
-from trainer.identify.sources import factor
-from trainer.identify.study import Study, observe, plain_study
-from trainer.identify.study_records import METHODS, MODELS, NOISES, ParameterRow
-from trainer.identify.validation import alone, other_problem, other_record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -193,9 +194,9 @@ def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Tr
     """Return a record of a ship that is not linear; arrays are what instruments have read."""
     if isinstance(frame, str | Path):
         return load_trial(Path(frame), ship, every)
-    columns = columns_of(frame, given["columns"], given["units"], FURTHER)
+    columns = columns_of(frame, given["columns"], given["units"], FURTHER_CHANNELS)
     taken = arrays_of(frame, columns)
-    further = {name: taken.pop(name) for name in FURTHER if name in taken}
+    further = {name: taken.pop(name) for name in FURTHER_CHANNELS if name in taken}
     return trial_of(record_of(taken, columns), further, replace(ship, sensors=None), every)
 
 

@@ -14,15 +14,15 @@ from trainer.analysis.sweep.study import Study
 from trainer.config.files import ConfigError, Place, nearest, quote
 from trainer.config.schema import read_record
 from trainer.core.kernel import Numbers
-from trainer.identify.estimate import estimate
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.likelihood import Likelihood
-from trainer.identify.measurements import Samples
-from trainer.identify.minimise import Search
-from trainer.identify.models import MODELS, Plant, Ship
-from trainer.identify.problem import Problem, problem_of
-from trainer.identify.uncertainty import intervals, uncertainty
-from trainer.identify.validation import draw_outputs
+from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.minimise import Search
+from trainer.identify.fitting.problem import Problem, problem_of
+from trainer.identify.judge.uncertainty import intervals, uncertainty
+from trainer.identify.judge.validation import draw_outputs
+from trainer.identify.model.models import MODELS, Plant, Ship
+from trainer.identify.record.measurements import Samples
 from trainer.units import KNOT
 
 

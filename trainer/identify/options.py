@@ -7,11 +7,11 @@ from typing import Any, Final
 
 from trainer.config.files import ConfigError, beside, quote
 from trainer.config.vessel import load_vessel
-from trainer.identify.models import MODELS
-from trainer.identify.sources import PLAIN, Column
-from trainer.identify.study import Study, load_study, plain_study
-from trainer.identify.study_records import ArmaxTable, Heading, ModelTable, RunRow, Ship
-from trainer.identify.system_files import load_system
+from trainer.identify.model.models import MODELS
+from trainer.identify.model.system_files import load_system
+from trainer.identify.record.sources import PLAIN, Column
+from trainer.identify.record.study import Study, load_study, plain_study
+from trainer.identify.record.study_records import ArmaxTable, Heading, ModelTable, RunRow, Ship
 
 USUAL: Final = ("sway", "yaw_rate", "heading")
 

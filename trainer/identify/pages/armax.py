@@ -7,20 +7,20 @@ from typing import Final
 from trainer.analysis.report.plots import Screen
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.files import ConfigError
-from trainer.identify.armax import (
+from trainer.identify.fitting.armax import (
     FirstOrder,
-    Orders,
     detrend,
     remove_delay,
     rounding_poles,
-    try_orders,
     without_wind,
 )
-from trainer.identify.measurements import check_count, samples_of
-from trainer.identify.models import UNITS
-from trainer.identify.pages.identify import correlation_panels, residual_table, screens_of
-from trainer.identify.residuals import Residuals, verdicts
-from trainer.identify.study import Study, observe
+from trainer.identify.judge.orders import Orders, try_orders
+from trainer.identify.judge.residuals import Residuals, verdicts
+from trainer.identify.model.models import UNITS
+from trainer.identify.pages.identify import correlation_panels, residual_table
+from trainer.identify.record.measurements import check_count, samples_of
+from trainer.identify.record.study import Study, observe
+from trainer.identify.sheet import screens_of
 
 MOST: Final = 4  # orders
 LAGS: Final = 10

@@ -10,8 +10,6 @@ from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
-from trainer.identify.derived import QUANTITIES
-from trainer.identify.design import Prospect, Reading, prospect
 from trainer.identify.experiment import (
     LEAD,
     Sequence,
@@ -27,9 +25,11 @@ from trainer.identify.experiment import (
     zigzag_orders,
     zigzag_told,
 )
-from trainer.identify.measurements import Record
-from trainer.identify.nomoto import Nomoto
-from trainer.identify.steering import steering
+from trainer.identify.judge.design import Prospect, Reading, prospect
+from trainer.identify.model.derived import QUANTITIES
+from trainer.identify.model.nomoto import Nomoto
+from trainer.identify.model.steering import steering
+from trainer.identify.record.measurements import Record
 from trainer.units import KNOT
 
 UNMOVED: Final = ("T_imag",)  # shown with T1 if it is not zero

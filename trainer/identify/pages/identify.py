@@ -1,32 +1,29 @@
 """A fitted ship as a page for a terminal, as plots, and as screens."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict
-from typing import Any, Final
+from collections.abc import Iterable, Iterator
+from typing import Final
 
 import numpy as np
 from markupsafe import Markup
 
 from trainer.analysis.report import html
-from trainer.analysis.report.panels import draw, legend
 from trainer.analysis.report.plots import Curve, Panel, Screen
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.core.kernel import Numbers
-from trainer.identify.alternatives import Band, Rival, pulse_of, step_of
-from trainer.identify.models import UNITS
-from trainer.identify.nomoto import scale
-from trainer.identify.nonlinear import predict
-from trainer.identify.outcome import LARGE, Matrices, errors_of
-from trainer.identify.pages.results import Direction, Estimate, Identified, Report, carry_out
-from trainer.identify.residuals import Residuals
-from trainer.identify.validation import alone
+from trainer.identify import sheet as sheets
+from trainer.identify.fitting.nonlinear import predict
+from trainer.identify.judge.alternatives import Band, Rival, pulse_of, step_of
+from trainer.identify.judge.residuals import Residuals
+from trainer.identify.judge.validation import alone
+from trainer.identify.model.models import UNITS
+from trainer.identify.model.nomoto import scale
+from trainer.identify.pages.results import Direction, Estimate, Identified, Report
+from trainer.identify.pages.series import LARGE, Matrices, errors_of
+from trainer.identify.sheet import listing, screens_of
 from trainer.units import DEGREE, KNOT
-
-__all__ = ["carry_out", "render", "screens", "sheet"]
 
 BAND: Final = 1.96  # standard deviations
 SHOWN: Final = 10  # outliers that a page lists
-MOST: Final = 4  # panels that a screen has
 MATRICES: Final = "Matrices"
 FREQUENCIES: Final = 80  # of a Bode figure
 BEND_UNITS: Final = {"T1": "s", "T2": "s", "T3": "s", "K": "1/s", "kappa": "s^2"} | {
@@ -297,17 +294,6 @@ def screens(identified: Identified) -> tuple[Screen, ...]:
     return screens_of(found | {"Large manoeuvre": _large(identified)})
 
 
-def screens_of(groups: Mapping[str, Iterable[Panel]]) -> tuple[Screen, ...]:
-    """Return groups of panels as screens, those of many panels as several."""
-    found = []
-    for title, group in groups.items():
-        panels = tuple(group)
-        pieces = [panels[i : i + MOST] for i in range(0, len(panels), MOST)]
-        names = [title] if len(pieces) == 1 else [f"{title} {i}" for i in range(1, len(pieces) + 1)]
-        found += [Screen(name, piece) for name, piece in zip(names, pieces, strict=True)]
-    return tuple(found)
-
-
 def _record(identified: Identified, number: int = 0) -> Iterator[Panel]:
     """Yield what acts in a run, and outputs with predictions and, of the first run, bands."""
     fitted, report = identified.fitted, identified.report
@@ -433,42 +419,13 @@ def correlation_panels(residuals: tuple[Residuals, ...]) -> tuple[Panel, ...]:
     return (*found, *crossed)
 
 
-def sheet(title: str, text: str, screens: Iterable[Screen], report: Any) -> str:
-    """Return the page: ``text`` as the terminal has it, ``screens`` drawn, ``report`` as JSON.
-
-    It needs no other file. The same report gives the same bytes.
-    """
-    heading, _, rest = text.partition("\n")
-    rest, *matrices = rest.split(f"\n\n{INDENT}{MATRICES}, ")
-    parts = [("Numbers", _listing(rest))]
-    for screen in screens:
-        drawn = html.charts(map(_figure, screen.panels))
-        rows = Markup('<div class="rows{}">{}</div>').format((len(screen.panels) + 1) // 2, drawn)
-        parts.append((screen.title, rows))
-    parts += [(f"{MATRICES} {i}", _listing(words)) for i, words in enumerate(matrices, 1)]
-    directions = getattr(report, "eigenvalues", ())
-    if directions:
-        parts.append(("Known least", _directions(directions)))
-    return html.page(
-        "identified.html",
-        "guide.css",
-        title=title,
-        heading=heading,
-        screens=parts,
-        data=html.embed(asdict(report)),
-    )
-
-
-def _listing(text: str) -> Markup:
-    """Return text as the terminal has it, in columns where there is room; no table is parted."""
-    blocks = Markup("\n").join(map(Markup("<pre>{}</pre>").format, text.split("\n\n")))
-    return Markup('<div class="listing">\n{}\n</div>\n').format(blocks)
-
-
-def _figure(panel: Panel) -> Markup:
-    """Return a panel with its title and what its curves mean."""
-    caption = Markup("<figcaption>{}</figcaption>").format(panel.title)
-    return Markup("<figure>{}{}{}</figure>").format(caption, draw(panel), legend(panel.curves))
+def sheet(found: Identified) -> str:
+    """Return the page of HTML; it needs no other file."""
+    report = found.report
+    text, *matrices = render(report).split(f"\n\n{INDENT}{MATRICES}, ")
+    further = [(f"{MATRICES} {i}", listing(words)) for i, words in enumerate(matrices, 1)]
+    further.append(("Known least", _directions(report.eigenvalues)))
+    return sheets.sheet(report.study, text, screens(found), report, further)
 
 
 def _directions(directions: tuple[Direction, ...]) -> Markup:

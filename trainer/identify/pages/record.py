@@ -8,10 +8,10 @@ import numpy as np
 from trainer.analysis.report.plots import Curve, Panel, Screen
 from trainer.analysis.report.text import INDENT, cut, table, wrap
 from trainer.core.kernel import Numbers
-from trainer.identify.measurements import CHANNELS, Record
-from trainer.identify.models import UNITS
-from trainer.identify.pages.identify import screens_of
-from trainer.identify.study import Observed, Study, observe, studies_of
+from trainer.identify.model.models import UNITS
+from trainer.identify.record.measurements import CHANNELS, Record
+from trainer.identify.record.study import Observed, Study, observe, studies_of
+from trainer.identify.sheet import screens_of
 from trainer.units import DEGREE, KNOT
 
 

@@ -11,13 +11,23 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
-from trainer.identify.alternatives import PAIRED, Allowed, Rival, draw_allowed, rivals_of
-from trainer.identify.derived import DERIVATIVES, quantity_units
-from trainer.identify.fitting import Fitted, fit, settings, simulate, table_of
-from trainer.identify.measurements import Record
-from trainer.identify.minimise import Found
-from trainer.identify.nonlinear import Bend
-from trainer.identify.outcome import (
+from trainer.identify.fitting.minimise import Found
+from trainer.identify.fitting.nonlinear import Bend
+from trainer.identify.fitting.prediction_error import MultiStep, Shown, loss_1
+from trainer.identify.fitting.problem import Problem
+from trainer.identify.fitting.study_problem import settings, table_of
+from trainer.identify.judge.alternatives import PAIRED, Allowed, Rival, draw_allowed, rivals_of
+from trainer.identify.judge.fitted import Fitted, fit, simulate
+from trainer.identify.judge.residuals import (
+    Residuals,
+    aic_of_likelihood,
+    examine_residuals,
+    verdicts,
+)
+from trainer.identify.judge.uncertainty import intervals
+from trainer.identify.judge.validation import Check, alone, bend_of, check_of
+from trainer.identify.model.derived import DERIVATIVES, quantity_units
+from trainer.identify.pages.series import (
     Matrices,
     Series,
     Term,
@@ -27,13 +37,9 @@ from trainer.identify.outcome import (
     sizes_of,
     terms_of,
 )
-from trainer.identify.prediction_error import MultiStep, Shown, loss_1
-from trainer.identify.problem import Problem
-from trainer.identify.residuals import Residuals, aic_of_likelihood, examine_residuals, verdicts
-from trainer.identify.study import Observed, Study, observe, studies_of
-from trainer.identify.study_records import Ship
-from trainer.identify.uncertainty import intervals
-from trainer.identify.validation import Check, alone, bend_of, check_of
+from trainer.identify.record.measurements import Record
+from trainer.identify.record.study import Observed, Study, observe, studies_of
+from trainer.identify.record.study_records import Ship
 from trainer.units import KNOT
 
 

@@ -11,7 +11,7 @@ from trainer.analysis.report.plots import Curve, Panel, Screen
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.pages import identify as sheets
+from trainer.identify import sheet as sheets
 from trainer.identify.ships.records import Trial
 from trainer.identify.ships.results import (
     OUTPUTS,

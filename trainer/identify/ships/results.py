@@ -12,7 +12,7 @@ from trainer.boat.ship.models import AXES, FIXED, NONLINEAR, Model, model_for
 from trainer.config.files import ConfigError, nearest
 from trainer.config.ship import Result, ShipFile, load_ship
 from trainer.core.kernel import Numbers
-from trainer.identify.residuals import LAGS, correlation, portmanteau, ratio_test
+from trainer.identify.judge.residuals import LAGS, correlation, portmanteau, ratio_test
 from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, terms_of, told_of_roll
 from trainer.identify.ships.likelihood import Problem
 from trainer.identify.ships.priors import prior_of
