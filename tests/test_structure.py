@@ -90,6 +90,25 @@ def test_layers_name_packages_only() -> None:
     assert named == {f"trainer.{package}" for package in PACKAGES}
 
 
+def test_options_below_the_command_line_are_records() -> None:
+    """A mapping would take any name, and give back anything."""
+    functions = [
+        (path, node)
+        for path in SOURCES
+        if path.parent != PACKAGE / "cli"
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef)
+    ]
+    kinds = [
+        (path.name, node.name, ast.unparse(each.annotation))
+        for path, node in functions
+        for each in (*node.args.args, *node.args.kwonlyargs)
+        if each.arg == "options" and each.annotation
+    ]
+    assert kinds
+    assert not [one for one in kinds if one[2].startswith(("dict", "Mapping", "Any"))]
+
+
 def test_no_modules_import_each_other_in_a_circle() -> None:
     graph = grimp.build_graph("trainer", include_external_packages=False, cache_dir=None)
     edges = {name: graph.find_modules_directly_imported_by(name) for name in graph.modules}

@@ -22,7 +22,7 @@ from trainer.identify.judge.uncertainty import draw_parameters as draws
 from trainer.identify.judge.uncertainty import propagate, span_draws
 from trainer.identify.judge.validation import draw_outputs
 from trainer.identify.model.models import MODELS, Plant, Ship
-from trainer.identify.options import study_of
+from trainer.identify.options import IdentifyOptions, study_of
 from trainer.identify.record.measurements import Samples
 from trainer.identify.record.study import observe
 from trainer.identify.sheet import sheet
@@ -47,20 +47,6 @@ kind = "nomoto2"
 outputs = ["yaw_rate"]
 """
 )
-ASKED = {
-    "every": None,
-    "begin": None,
-    "end": None,
-    "exact": False,
-    "vessel": None,
-    "length": None,
-    "knots": None,
-    "armax": False,
-    "model": None,
-    "channels": (),
-    "noise": None,
-    "method": None,
-}
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +68,7 @@ def path(tmp_path_factory: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def fitted(path: Any) -> Any:
-    study = study_of(path, ASKED)
+    study = study_of(path, IdentifyOptions())
     return fit(study, observe(study).record, unheard)
 
 

@@ -17,7 +17,7 @@ from trainer.identify.fitting.minimise import unheard
 from trainer.identify.judge import fitted as fitting
 from trainer.identify.judge.validation import alone, other_problem, other_record
 from trainer.identify.model.models import UNITS as OUTPUT_UNITS
-from trainer.identify.options import as_asked, study_of
+from trainer.identify.options import IdentifyOptions, as_asked, study_of
 from trainer.identify.pages.identify import render, screens
 from trainer.identify.pages.results import Identified, ShipNumber, describe
 from trainer.identify.pages.series import matrices_of, series_of
@@ -42,7 +42,6 @@ CHOICES: Final = {
     "method": METHODS,
     "positive_rudder": ("port", "starboard"),
 }
-UNSAID: Final = {"armax": False, "exact": False}
 
 
 class FitOptions(TypedDict, total=False):
@@ -149,12 +148,22 @@ def fit(
 
 def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "FittedShip":
     """Return a linear or Nomoto ship fitted to a record."""
-    options: dict[str, Any] = {**given, **UNSAID, "model": model}
+    asked = {**given, "model": model}
     for name, words in CHOICES.items():
-        if options[name] not in (None, *words):
-            raise ConfigError(f"{name} = {options[name]!r}: must be {' or '.join(words)}")
-    options |= {"knots": given["speed"], "channels": tuple(given["outputs"])}
-    options["vessel"] = given["vessel"] and str(given["vessel"])
+        if asked[name] not in (None, *words):
+            raise ConfigError(f"{name} = {asked[name]!r}: must be {' or '.join(words)}")
+    options = IdentifyOptions(
+        model=model,
+        vessel=str(given["vessel"]) if given["vessel"] else None,
+        length=given["length"],
+        knots=given["speed"],
+        channels=tuple(given["outputs"]),
+        noise=given["noise"],
+        method=given["method"],
+        every=given["every"],
+        begin=given["begin"],
+        end=given["end"],
+    )
     if isinstance(frame, str | Path):
         study, loaded = study_of(Path(frame), options), None
     else:
@@ -186,7 +195,9 @@ def _fit_manoeuvring(
     trials = tuple(_trial_of(each, ship, given, given["every"] or 1) for each in frames)
     if not trials:
         raise ConfigError(f"model {model}: needs a frame")
-    options = {**given, "model": model, "without": ()}
+    options = IdentifyOptions(
+        model=model, begin=given["begin"], end=given["end"], prior_strength=strength
+    )
     return ManoeuvringShip(fit_trials(ship, trials, (), options, lambda *_: None), given, ship)
 
 
