@@ -64,7 +64,7 @@ def test_the_wheel_has_no_c_but_the_host_of_an_exported_core() -> None:
 def test_modules_are_few_and_short() -> None:
     counted = Counter(path.relative_to(PACKAGE).parts[0] for path in MODULES)
     assert not {room: counted[room] for room, most in MOST.items() if counted[room] > most}
-    assert len(MODULES) <= 450
+    assert len(MODULES) <= 455
     longest = max(SOURCES, key=lambda path: len(path.read_text(encoding="utf-8").splitlines()))
     assert len(longest.read_text(encoding="utf-8").splitlines()) <= 500, longest
 

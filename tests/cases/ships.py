@@ -31,6 +31,7 @@ from trainer.identify.fitting.minimise import Search
 from trainer.identify.fitting.nonlinear import Bent
 from trainer.identify.fitting.prediction_error import Innovations, no_gain
 from trainer.identify.fitting.problem import Problem
+from trainer.identify.judge import propagation
 from trainer.identify.judge import uncertainty as uncertainty_module
 from trainer.identify.judge.uncertainty import beside_bounds, uncertainty
 from trainer.identify.judge.validation import deterministic, draw_outputs
@@ -249,10 +250,10 @@ def sway_alone(records: int = SWAY_RECORDS) -> Iterator[Figure]:
         known = beside_bounds(uncertainty(problem.names, cost.information(theta)))
         low, high = uncertainty_module.intervals(problem, theta, known.deviations).T
         inside.append(((low <= problem.start) & (problem.start <= high))[:4])
-        draws = uncertainty_module.draw_parameters(
-            theta, np.nan_to_num(known.covariance), uncertainty_module.DRAWS, seed
+        draws = propagation.draw_parameters(
+            theta, np.nan_to_num(known.covariance), propagation.DRAWS, seed
         )
-        span, truths = uncertainty_module.span_draws(told, draws)[1], told(problem.start)
+        span, truths = propagation.span_draws(told, draws)[1], told(problem.start)
         within.append((span.low <= truths) & (truths <= span.high))
     yield Figure("S8", "coefficients inside 95 % intervals", 0.85, float(np.mean(inside)), 1.0)
     for name, share in zip(SWAY_NUMBERS, np.mean(within, axis=0), strict=True):

@@ -16,10 +16,10 @@ from trainer.cli.identify import identify
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.fitting.minimise import unheard
 from trainer.identify.fitting.problem import problem_of
-from trainer.identify.judge.alternatives import _draw_parameters, draw_allowed, pulse_of, step_of
+from trainer.identify.judge.allowed import _draw_parameters, draw_allowed, pulse_of, step_of
 from trainer.identify.judge.fitted import fit
-from trainer.identify.judge.uncertainty import draw_parameters as draws
-from trainer.identify.judge.uncertainty import propagate, span_draws
+from trainer.identify.judge.propagation import draw_parameters as draws
+from trainer.identify.judge.propagation import propagate, span_draws
 from trainer.identify.judge.validation import draw_outputs
 from trainer.identify.model.models import MODELS, Plant, Ship
 from trainer.identify.options import IdentifyOptions, study_of

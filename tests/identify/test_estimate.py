@@ -11,7 +11,8 @@ from cases.reference_ships import TANKER, TANKER_RUDDER, study
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
-from trainer.identify.fitting.estimate import MINIMISERS, Starts, estimate, keep, resume
+from trainer.identify.fitting.checkpoint import keep, resume
+from trainer.identify.fitting.estimate import MINIMISERS, Starts, estimate
 from trainer.identify.fitting.likelihood import Likelihood
 from trainer.identify.fitting.minimise import Found, Search, unheard
 from trainer.identify.fitting.prediction_error import Innovations, MultiStep, settled_gain

@@ -20,7 +20,7 @@ from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.fitting.minimise import unheard
 from trainer.identify.fitting.nonlinear import Bend, Bent
 from trainer.identify.fitting.problem import problem_of
-from trainer.identify.judge.alternatives import draw_allowed
+from trainer.identify.judge.allowed import draw_allowed
 from trainer.identify.judge.fitted import fit
 from trainer.identify.judge.validation import deterministic, draw_outputs
 from trainer.identify.model.models import MODELS, Plant, Ship

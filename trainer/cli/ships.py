@@ -101,7 +101,7 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
         sources = ", ".join(Path(source).name for source in found.report.sources)
         write_text(options["write_ship"], ship_text(found.ship, f"trainer identify, {sources}"))
     if options["coefficients"]:
-        page.write_coefficients(found.report, options["coefficients"])
+        write_text(options["coefficients"], page.coefficients_text(found.report))
     if options["html"]:
         write_text(options["html"], page.sheet(found))
     show(found.report, page.render, lambda: page.panels(found), options)

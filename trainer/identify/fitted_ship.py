@@ -22,7 +22,7 @@ from trainer.identify.pages.identify import render, screens
 from trainer.identify.pages.results import Identified, ShipNumber, describe
 from trainer.identify.pages.series import matrices_of, series_of
 from trainer.identify.pages.ship_files import nomoto_text, vessel_text
-from trainer.identify.record.frames import arrays_of, columns_of, names_of, record_of, scale_of
+from trainer.identify.record.frames import arrays_of, columns_of, names_of, record_of
 from trainer.identify.record.sources import FURTHER_CHANNELS, factor
 from trainer.identify.record.study import Study, observe, plain_study
 from trainer.identify.record.study_records import METHODS, MODELS, NOISES, ParameterRow
@@ -332,7 +332,7 @@ class FittedShip(_Shown):
         """Return outputs (n, y) of the models by channel, in the user's units."""
         found = {}
         for i, name in enumerate(self._found.report.outputs):
-            own = factor(name, self._units[name]) if name in self._units else 1.0
+            own = factor(name, self._units.get(name))
             found[name] = outputs[:, i] / (OUTPUT_UNITS[name][1] * own)
         return found
 
@@ -418,7 +418,7 @@ class ManoeuvringShip(_Shown):
         sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)
         units, names = self._given["units"], ("speed", "sway", "yaw_rate", "heading", *OF_ROLL)
         found = {
-            name: values / scale_of(name, units.get(name))
+            name: values / factor(name, units.get(name))
             for name, values in zip(names, sailed.T, strict=False)
         }
         return {"t": trial.t, **found}

@@ -1,32 +1,34 @@
-"""Estimation: which minimiser, from how many starts, what it found, and its file of progress."""
+"""Estimation: which minimiser, from how many starts, and what it found."""
 
-import json
-import math
-import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from trainer.config.extras import require_library
-from trainer.config.files import ConfigError, quote
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.minimise import (
     CLOSE,
     Cost,
     Found,
-    Progress,
     Search,
     judged,
     scipy_search,
     scoring,
     settle,
     stretch,
-    unheard,
 )
 from trainer.identify.fitting.problem import Problem
+
+WIDEST: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
+FASTEST: Final = 0.5  # [intervals] of a time constant that two readings still show
+MOST: Final = 4  # times the restarts wanted, in all
+APPROACH: Final = 60  # steps from another start
+NEARBY: Final = 10.0  # [-] of cost above the best, from where a search is carried on
+NARROW: Final = 0.3  # [-] of the width, of every other start
+BEATEN: Final = 0.01  # [-] of cost: what another start must gain
 
 
 def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
@@ -77,15 +79,6 @@ MINIMISERS: Final[dict[str, Minimiser]] = {
     "bfgs": bfgs,
     "direct": powell,
 }
-
-
-WIDEST: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
-FASTEST: Final = 0.5  # [intervals] of a time constant that two readings still show
-MOST: Final = 4  # times the restarts wanted, in all
-APPROACH: Final = 60  # steps from another start
-NEARBY: Final = 10.0  # [-] of cost above the best, from where a search is carried on
-NARROW: Final = 0.3  # [-] of the width, of every other start
-BEATEN: Final = 0.01  # [-] of cost: what another start must gain
 
 
 @dataclass(frozen=True)
@@ -195,43 +188,3 @@ def _others(cost: Cost, theta: Numbers, starts: Starts) -> Iterator[Numbers]:
         begin = problem.theta(stream.standard_normal(len(theta)) * width)
         if np.isfinite(cost.value(begin)):
             yield begin
-
-
-def keep(path: Path, problem: Problem, heard: Progress = unheard) -> Progress:
-    """Return what keeps each step of a search in ``path``, and tells it."""
-
-    def write(found: Found) -> None:
-        theta = problem.folded(found.theta) * problem.scale
-        told = {
-            "model": problem.plant.model.name,
-            "cost": found.cost,
-            "parameters": dict(zip(problem.names, map(float, theta), strict=True)),
-        }
-        part = path.with_name(path.name + ".part")
-        part.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
-        os.replace(part, path)  # noqa: PTH105 - one call that is atomic on every system
-        heard(found)
-
-    return write
-
-
-def resume(path: Path, problem: Problem) -> Numbers:
-    """Return where to start (f,), from a file that ``keep`` wrote.
-
-    ConfigError if it is of another model or lacks a free parameter.
-    """
-    try:
-        told = json.loads(path.read_text(encoding="utf-8"), parse_int=float)
-        model, parameters = told["model"], dict(told["parameters"])
-    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
-        raise ConfigError(f"{path.name}: is no checkpoint of a search ({error})") from None
-    if model != problem.plant.model.name:
-        raise ConfigError(f"{path.name}: is of model {model}, not {problem.plant.model.name}")
-    lacking = [name for name in problem.names if name not in parameters]
-    if lacking:
-        raise ConfigError(f"{path.name}: lacks {', '.join(lacking)}, which are free here")
-    for name in problem.names:
-        value = parameters[name]
-        if isinstance(value, bool) or not isinstance(value, float) or not math.isfinite(value):
-            raise ConfigError(f"{path.name}: {name} = {quote(value)}: must be a number")
-    return np.array([parameters[name] for name in problem.names]) / problem.scale

@@ -183,12 +183,8 @@ def stretch(cost: Cost, theta: Numbers) -> Stretched:
     for name, kind, value in zip(problem.names, problem.kinds, theta, strict=True):
         if kind in ("variance", "error") and value == 0.0:
             raise ConfigError(f"{name}: a free variance cannot start at 0; give its usual size")
-    return Stretched(cost, np.where(problem.floors > 0.0, _above(problem, theta), theta))
-
-
-def _above(problem: Problem, theta: Numbers) -> Numbers:
-    """Return ``theta`` by magnitude, and at least a little above its floors."""
-    return np.maximum(np.abs(theta), 1.01 * problem.floors)
+    above = np.maximum(np.abs(theta), 1.01 * problem.floors)
+    return Stretched(cost, np.where(problem.floors > 0.0, above, theta))
 
 
 def _solve_damped(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:

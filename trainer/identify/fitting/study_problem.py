@@ -54,7 +54,8 @@ def pose_problem(
     inputs = ("rudder",) if study.system is None else study.system.inputs
     runs = []
     for one, seen in zip(studies, (record, *others), strict=True):
-        at = replace(plant, ship=replace(plant.ship, speed=_speed(one, seen)))
+        speed = NO_SHIP.speed if one.system is not None else speed_of(one, seen)
+        at = replace(plant, ship=replace(plant.ship, speed=speed))
         values = _start(one, at, seen, known)
         runs.append(Run(at, samples_of(seen, plant.outputs, inputs), values))
     samples, values = runs[0].samples, runs[0].values
@@ -89,11 +90,6 @@ def _plant_of(study: Study, record: Record) -> tuple[Plant, Steering | None]:
     scales = Ship(ship.length_m, speed, ship.bow_log_m or 0.0, ship.stern_log_m or 0.0)
     own = steering(load_vessel(ship.vessel), speed) if ship.vessel else None
     return Plant(MODELS[table.kind], scales, table.outputs, record.interval), own
-
-
-def _speed(study: Study, record: Record) -> float:
-    """Return the speed of a run [m/s]; ConfigError if it is not known."""
-    return NO_SHIP.speed if study.system is not None else speed_of(study, record)
 
 
 def _start(study: Study, plant: Plant, record: Record, ship: Mapping[str, float]) -> Numbers:

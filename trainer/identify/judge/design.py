@@ -12,7 +12,8 @@ from trainer.core.kernel import Numbers
 from trainer.identify.fitting.likelihood import Likelihood
 from trainer.identify.fitting.problem import problem_of
 from trainer.identify.fitting.start_values import ERRORS, STATES, free_names
-from trainer.identify.judge.uncertainty import propagate, uncertainty
+from trainer.identify.judge.propagation import propagate
+from trainer.identify.judge.uncertainty import uncertainty
 from trainer.identify.model.derived import quantities, quantity_units
 from trainer.identify.model.models import MODELS, UNITS, Plant, Ship
 from trainer.identify.model.steering import Steering

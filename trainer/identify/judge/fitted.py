@@ -11,7 +11,8 @@ import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.estimate import Starts, estimate, keep, resume
+from trainer.identify.fitting.checkpoint import keep, resume
+from trainer.identify.fitting.estimate import Starts, estimate
 from trainer.identify.fitting.minimise import Cost, Found, Search
 from trainer.identify.fitting.prediction_error import (
     REASONS,
@@ -21,14 +22,13 @@ from trainer.identify.fitting.prediction_error import (
 )
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.study_problem import cost_of, dropped_names, pose_problem, table_of
+from trainer.identify.judge.propagation import Spread, propagate
 from trainer.identify.judge.uncertainty import (
     BOUNDED,
-    Spread,
     Uncertainty,
     beside_bounds,
     hessian,
     inseparable,
-    propagate,
     uncertainty,
 )
 from trainer.identify.model.derived import quantities, quantity_units

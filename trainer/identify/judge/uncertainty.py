@@ -1,13 +1,7 @@
-"""The certainty of the parameters, and those that the data cannot separate (MI 3.7, 8.3).
+"""The certainty of the parameters, and those that the data cannot separate (MI 3.7, 8.3)."""
 
-Of numbers that follow from them, by the delta method and by draws. The delta method takes the
-numbers for linear in the parameters. Where they bend sharply, as time
-constants do near a double root, only draws give intervals that hold the truth.
-"""
-
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -18,6 +12,8 @@ from trainer.identify.fitting.problem import Problem
 
 FLAT: Final = 1e-10  # [-] eigenvalue of the information scaled to a unit diagonal
 BOUNDED: Final = ("R1_", "R2_", "lag")  # parameters that no gain or time constant follows from
+WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
+RATIOS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")  # coefficients
 PART: Final = 1e-3  # [-] share of a flat direction from which on a parameter belongs to it
 
 
@@ -99,14 +95,9 @@ def inseparable(problem: Problem) -> tuple[tuple[str, ...], ...]:
     One name alone is a parameter without any effect. By the information at the start values; and
     where P(t0) is free together with x(t0): one record cannot tell both.
     """
-    information = Likelihood(problem).information(problem.start)
-    return (*_together(problem), *uncertainty(problem.names, information).flat)
-
-
-def _together(problem: Problem) -> tuple[tuple[str, ...], ...]:
-    """Return initial states and variances of the same state that are both free."""
-    free = set(problem.names)
-    return tuple(pair for pair in problem.plant.model.paired if free.issuperset(pair))
+    information, free = Likelihood(problem).information(problem.start), set(problem.names)
+    together = (pair for pair in problem.plant.model.paired if free.issuperset(pair))
+    return (*together, *uncertainty(problem.names, information).flat)
 
 
 def hessian(cost: Cost, theta: Numbers) -> Numbers:
@@ -120,10 +111,6 @@ def hessian(cost: Cost, theta: Numbers) -> Numbers:
     folded = np.isin(cost.problem.kinds, ("variance", "error", "lag"))
     back = np.where(folded & (np.abs(theta) < steps), 0.0, 1.0)
     return curvature(lambda at: cost.slope(at)[1], theta, steps, back)
-
-
-WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
-RATIOS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")  # coefficients
 
 
 def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
@@ -148,79 +135,3 @@ def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
     found = np.sort(np.where(scaled[:, None], factors, straight), axis=1)
     both = np.sort(np.hstack([factors, straight]), axis=1)[:, [0, 3]]
     return np.where(ratio[:, None], both, found)
-
-
-Derived = Callable[[Numbers], Numbers]
-
-DRAWS: Final = 1000
-TAIL: Final = 0.025  # [-] of the draws, left out at each end of an interval
-NUDGE: Final = 1e-4  # [standard deviations] of each parameter, for the difference quotients
-
-
-class Spread(NamedTuple):
-    """Numbers and their covariance."""
-
-    values: Numbers  # (m,)
-    covariance: Numbers  # (m, m)
-
-    @property
-    def deviations(self) -> Numbers:
-        """Return the standard deviations."""
-        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
-
-
-def propagate(derived: Derived, theta: Numbers, covariance: Numbers) -> Spread:
-    """Return ``derived(theta)`` (m,) with J cov J^T, J from central differences (8.3).
-
-    The steps are a small part of each parameter's own standard deviation, so that they fit the
-    scale on which it is known.
-    """
-    steps = NUDGE * np.sqrt(np.diag(covariance))
-    columns = []
-    for i, step in enumerate(steps):
-        if step == 0.0:
-            columns.append(np.zeros_like(derived(theta)))
-            continue
-        aside = np.zeros_like(theta)
-        aside[i] = step
-        columns.append((derived(theta + aside) - derived(theta - aside)) / (2.0 * step))
-    J = np.column_stack(columns)
-    return Spread(derived(theta), J @ covariance @ J.T)
-
-
-class Span(NamedTuple):
-    """95 % intervals of numbers, from draws of the parameters that they follow from."""
-
-    low: Numbers  # (m,)
-    high: Numbers  # (m,)
-
-
-def span_draws(derived: Derived, draws: Numbers) -> tuple[Numbers, Span]:
-    """Return ``derived`` of each of the ``draws`` (count, n), and its intervals.
-
-    A draw of which one number is none counts for the others.
-    """
-    found = np.array([derived(draw) for draw in draws])
-    told = np.where(np.isnan(found).all(axis=0), 0.0, found)  # no quantile of nothing
-    low, high = np.nanquantile(told, (TAIL, 1.0 - TAIL), axis=0)
-    nothing = np.isnan(found).all(axis=0)
-    return found, Span(np.where(nothing, np.nan, low), np.where(nothing, np.nan, high))
-
-
-def draw_parameters(theta: Numbers, covariance: Numbers, count: int, seed: int) -> Numbers:
-    """Return ``count`` parameter vectors (count, n) from N(theta, covariance) (8.5)."""
-    stream = np.random.Generator(np.random.PCG64(seed))
-    return np.asarray(theta + stream.standard_normal((count, len(theta))) @ root(covariance).T)
-
-
-def root(covariance: Numbers) -> Numbers:
-    """Return C with C C' = ``covariance`` (..., n, n), which may be singular.
-
-    Rounding counts as nothing: units differ by many powers of ten, so each is taken by its own.
-    """
-    width = np.sqrt(np.maximum(np.einsum("...ii->...i", covariance), 0.0))
-    unit = np.where(width > 0.0, width, 1.0)
-    sizes, vectors = np.linalg.eigh(covariance / (unit[..., None] * unit[..., None, :]))
-    return np.asarray(
-        width[..., None] * vectors * np.sqrt(np.maximum(sizes, 0.0))[..., None, :], float
-    )

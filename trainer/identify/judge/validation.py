@@ -20,7 +20,7 @@ from trainer.identify.fitting.prediction_error import Innovations
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.start_values import STATES
 from trainer.identify.judge.fitted import Fitted
-from trainer.identify.judge.uncertainty import root
+from trainer.identify.judge.propagation import root
 from trainer.identify.kernels.covariance_filter import run_predictor
 from trainer.identify.model.derived import nomoto_of
 from trainer.identify.record.measurements import Record, Samples, samples_of

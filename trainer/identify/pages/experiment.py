@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
+from trainer.analysis.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
 from trainer.identify.experiment import (
@@ -161,13 +161,16 @@ def _zigzag(file: VesselFile, speed: float, angles: tuple[float, float], most: f
 def render(report: Report) -> str:
     """Return the report as text."""
     settings = ", ".join(f"{name} {_word(value)}" for name, value in report.settings.items())
+    pace = (
+        f"turns at {report.largest_rate_deg_s:.2f} deg/s and slows to {report.lowest_speed_kn:.1f}"
+    )
     lines = [
         f"RUDDER EXPERIMENT: {report.kind}",
         f"{INDENT}{cut(report.vessel, 70)}, {report.speed_kn:g} kn",
         *wrap(settings, INDENT, INDENT),
         f"{INDENT}{report.seconds:g} s, {len(report.orders)} orders",
         "",
-        f"{INDENT}In a calm the ship swings {report.largest_heading_deg:.0f} deg, {_pace(report)}.",
+        f"{INDENT}In a calm the ship swings {report.largest_heading_deg:.0f} deg, {pace} kn.",
     ]
     if report.overshoots_deg:
         overshoots = ", ".join(f"{one:.1f}" for one in report.overshoots_deg)
@@ -191,13 +194,8 @@ def render(report: Report) -> str:
     ]
     lines += table(("quantity", "unit", "value", "std dev", "%"), rows)
     if report.remarks:
-        lines += ["", *(line for one in report.remarks for line in wrap(f"- {one}"))]
+        lines += ["", *items(report.remarks)]
     return "\n".join(lines)
-
-
-def _pace(report: Report) -> str:
-    rate, speed = report.largest_rate_deg_s, report.lowest_speed_kn
-    return f"turns at {rate:.2f} deg/s and slows to {speed:.1f} kn"
 
 
 def _word(value: object) -> str:

@@ -1,6 +1,6 @@
 """A fitted ship as a page for a terminal, as plots, and as screens."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -8,11 +8,11 @@ from markupsafe import Markup
 
 from trainer.analysis.report import html
 from trainer.analysis.report.plots import Curve, Panel, Screen
-from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
+from trainer.analysis.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.core.kernel import Numbers
 from trainer.identify import sheet as sheets
 from trainer.identify.fitting.nonlinear import predict
-from trainer.identify.judge.alternatives import Band, Rival, pulse_of, step_of
+from trainer.identify.judge.allowed import Band, pulse_of, step_of
 from trainer.identify.judge.residuals import Residuals
 from trainer.identify.judge.validation import alone
 from trainer.identify.model.models import UNITS
@@ -36,16 +36,17 @@ BEND_UNITS: Final = {"T1": "s", "T2": "s", "T3": "s", "K": "1/s", "kappa": "s^2"
 
 def render(report: Report) -> str:
     """Return the report as text."""
+    samples = f"{report.samples} samples every {report.interval_s:g} s"
     lines = [
         f"IDENTIFICATION, model {report.model} (LISPID)",
         f"{INDENT}{cut(report.study, 70)}",
         f"{INDENT}{cut(report.source, 75)}",
-        f"{INDENT}{_ship(report)}{_samples(report)}",
+        f"{INDENT}{_ship(report)}{samples} of {', '.join(report.outputs)}",
         f"{INDENT}" + ", ".join(f"{name} {value}" for name, value in report.settings.items()),
     ]
     if report.findings:
         lines += ["", f"{INDENT}The record:"]
-        lines += [line for text in report.findings for line in wrap(f"- {text}")]
+        lines += items(report.findings)
     lines += ["", *_parameter_table(report), "", *_ship_table(report)]
     what = "ship" if report.length_m else "system"
     lines += ["", f"{INDENT}The {what} is {report.stability}."]
@@ -58,7 +59,7 @@ def render(report: Report) -> str:
         lines += ["", *rival_table(report)]
     if report.residuals:
         lines += ["", *residual_table(report.residuals)]
-        lines += [line for text in report.verdicts for line in wrap(f"- {text}")]
+        lines += items(report.verdicts)
     if report.check is not None:
         lines += ["", *_check_lines(report)]
     lines += _bend_lines(report)
@@ -140,11 +141,6 @@ def _run_table(report: Report) -> list[str]:
     return table(heads, rows)
 
 
-def _samples(report: Report) -> str:
-    outputs = ", ".join(report.outputs)
-    return f"{report.samples} samples every {report.interval_s:g} s of {outputs}"
-
-
 def _parameter_table(report: Report) -> list[str]:
     rows = [
         (one.name, one.unit, f"{one.value:.5g}", figure(one.deviation, ".2g"), *_span(one))
@@ -224,14 +220,13 @@ def _outliers(report: Report) -> str:
 def rival_table(report: Report) -> list[str]:
     """Return the model beside the simpler ones that it was tested against."""
     count = len(report.parameters)
-    own = ("this", str(count), f"{report.log_likelihood:.2f}", f"{report.aic:.2f}", "", "", "")
+    rows = [("this", str(count), f"{report.log_likelihood:.2f}", f"{report.aic:.2f}", "", "", "")]
+    for one in report.rivals:
+        fit = (str(one.parameters), f"{one.log_likelihood:.2f}", f"{one.aic:.2f}")
+        test = (f"{one.ratio:.2f}", str(one.freedom), f"{one.probability:.3f}")
+        rows.append((one.name, *fit, *test))
     heads = ("order\ntests", "parameters", "log L", "AIC", "ratio", "freedom", "p")
-    return table(heads, [own, *(_rival_row(one) for one in report.rivals)])
-
-
-def _rival_row(one: Rival) -> tuple[str, ...]:
-    fit = (str(one.parameters), f"{one.log_likelihood:.2f}", f"{one.aic:.2f}")
-    return (one.name, *fit, f"{one.ratio:.2f}", str(one.freedom), f"{one.probability:.3f}")
+    return table(heads, rows)
 
 
 def residual_table(residuals: tuple[Residuals, ...]) -> list[str]:
@@ -403,20 +398,20 @@ def _large(identified: Identified) -> Iterator[Panel]:
 
 def correlation_panels(residuals: tuple[Residuals, ...]) -> tuple[Panel, ...]:
     """Return the residuals' own correlations, then those with the rudder."""
-    found, crossed = [], []
-    for one in residuals:
-        own = np.array(one.correlation)
-        lags = np.arange(len(own), dtype=float)
-        curve = (Curve(one.output, lags, own, points=True),)
-        title = f"correlation of the residuals of {one.output}"
-        found.append(Panel(title, "lag [samples]", "[-]", curve, levels=(-one.band, one.band)))
-        cross = np.array(one.cross)
-        lags = np.arange(len(cross), dtype=float) - len(cross) // 2
-        curve = (Curve(one.output, lags, cross, points=True),)
-        title = f"rudder with the residuals of {one.output}"
-        levels = (-one.cross_band, one.cross_band)
-        crossed.append(Panel(title, "lag [samples]", "[-]", curve, levels=levels))
-    return (*found, *crossed)
+
+    def panel(title: str, output: str, values: Sequence[float], first: int, band: float) -> Panel:
+        lags = np.arange(len(values), dtype=float) + first
+        curve = (Curve(output, lags, np.array(values), points=True),)
+        return Panel(f"{title} {output}", "lag [samples]", "[-]", curve, levels=(-band, band))
+
+    own, crossed = "correlation of the residuals of", "rudder with the residuals of"
+    return (
+        *(panel(own, one.output, one.correlation, 0, one.band) for one in residuals),
+        *(
+            panel(crossed, one.output, one.cross, -(len(one.cross) // 2), one.cross_band)
+            for one in residuals
+        ),
+    )
 
 
 def sheet(found: Identified) -> str:

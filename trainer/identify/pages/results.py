@@ -16,7 +16,7 @@ from trainer.identify.fitting.nonlinear import Bend
 from trainer.identify.fitting.prediction_error import MultiStep, Shown, loss_1
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.study_problem import settings, table_of
-from trainer.identify.judge.alternatives import PAIRED, Allowed, Rival, draw_allowed, rivals_of
+from trainer.identify.judge.allowed import PAIRED, Allowed, draw_allowed
 from trainer.identify.judge.fitted import Fitted, fit, simulate
 from trainer.identify.judge.residuals import (
     Residuals,
@@ -24,6 +24,7 @@ from trainer.identify.judge.residuals import (
     examine_residuals,
     verdicts,
 )
+from trainer.identify.judge.rivals import Rival, rivals_of
 from trainer.identify.judge.uncertainty import intervals
 from trainer.identify.judge.validation import Check, alone, bend_of, check_of
 from trainer.identify.model.derived import DERIVATIVES, quantity_units

@@ -21,6 +21,8 @@ HELMS: Final = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # [deg] of the table of st
 CURVE: Final = 201  # points
 UNITS: Final = {"K": "1/s", "T1": "s", "T2": "s", "T3": "s", "K_v": "m/s", "T3v": "s"}
 
+LEVERS: Final = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")  # as a fit calls them
+
 
 class Loop(NamedTuple):
     """The loop of an unstable ship's spiral, to either side (2.12)."""
@@ -81,27 +83,15 @@ def _at_speed(knots: float, form: Nomoto, bent: Bent, arms: Levers | None = None
     return AtSpeed(
         speed_kn=knots,
         numbers=dict(zip(UNITS, map(float, numbers), strict=True)) | {"T_imag": form.T1.imag},
-        levers_m=None if arms is None else _named(arms),
+        levers_m=None if arms is None else dict(zip(LEVERS, arms, strict=True)),
         helm=bent.curve,
         neutral_deg=bent.delta_0 / DEGREE,
         stable=form.T1.real > 0.0,
         turns_deg_s=tuple(
             tuple(rate / DEGREE for rate in bent.rates(helm * DEGREE)) for helm in HELMS
         ),
-        loop=_loop(bent),
+        loop=bent.loop and Loop(*(one / DEGREE for one in bent.loop)),
     )
-
-
-def _named(arms: Levers) -> dict[str, float]:
-    """Return the lever arms by the names that a fit has for them."""
-    names = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")
-    return dict(zip(names, arms, strict=True))
-
-
-def _loop(bent: Bent) -> Loop | None:
-    """Return the loop in degrees, None of a ship without one."""
-    found = bent.loop
-    return None if found is None else Loop(*(one / DEGREE for one in found))
 
 
 def render(report: Report) -> str:

@@ -3,7 +3,7 @@
 import difflib
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -101,20 +101,15 @@ class GuessedColumns:
     unsure: frozenset[str]
 
 
-def guess_columns(
-    table: Table, words: Words, units: Callable[[str], Mapping[str, float]] = units_of
-) -> GuessedColumns:
-    """Return the likeliest columns of a file for the channels of ``words``.
-
-    ``units`` tells what units a channel can have.
-    """
+def guess_columns(table: Table, words: Words) -> GuessedColumns:
+    """Return the likeliest columns of a file for the channels of ``words``."""
     named = _by_name(table, words)
     named |= _clock(table, named)
     found = {channel: named[channel] for channel in words if channel in named}
     known: dict[str, str] = {}
     for channel, head in found.items():
         place = table.place(head)
-        said = [one for one in (table.units[place], _plain(head)[1]) if one in units(channel)]
+        said = [one for one in (table.units[place], _plain(head)[1]) if one in units_of(channel)]
         if said or table.is_clock(place):
             known[channel] = [*said, "s"][0]
     unsure = found.keys() - known.keys()

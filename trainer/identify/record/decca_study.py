@@ -22,21 +22,21 @@ from trainer.config.schema import (
 )
 from trainer.config.tables import Table, read_table
 from trainer.core.kernel import Numbers
-from trainer.identify.record.decca import LETTERS, ZONES, Fix, Point, Slave, lane_number, track
+from trainer.identify.record.decca import LETTERS, ZONES, Point, Slave, lane_number, track
 from trainer.identify.record.sources import write_columns
 from trainer.identify.record.study import read_parts
 from trainer.identify.record.study_records import TURNING
 from trainer.identify.record.track import (
-    Drift,
     derivative,
+    drift_of,
     even_interval,
     smooth_spencer,
     through_water,
 )
-from trainer.units import KNOT
 
 METRES: Final = within(-1e7, 1e7)
 TABLES: Final = ("slaves", "columns", "ship")
+NOWHERE: Final = Point(math.nan, math.nan)
 PROPAGATION: Final = 299_700.0  # [km/s] usual of long waves over sea
 
 
@@ -236,13 +236,15 @@ def sail(file: DeccaFile, readings: Readings, *, smooth: bool) -> Sailed:
     fixes = track(file.chain, readings.lanes, file.start)
     if sum(fix is not None for fix in fixes) < 5:
         raise ConfigError(f"{file.path.name}: fewer than 5 rows give a fix; is the start right?")
-    east, north = (_coordinate(fixes, axis) for axis in (0, 1))
+    east, north = np.array([fix.place if fix else NOWHERE for fix in fixes]).T
     heading = np.unwrap(readings.heading) - math.radians(file.heading.convergence_deg or 0.0)
     rate = derivative(heading, interval) if readings.yaw_rate is None else readings.yaw_rate
     scale = file.heading.grid_scale or 1.0
     x, y = (smooth_spencer(one) if smooth else one for one in (east / scale, north / scale))
     ground = derivative(x, interval), derivative(y, interval)
-    ahead, sway = through_water(*ground, heading, rate, _drift(file))
+    current = file.heading.current_east_kn, file.heading.current_north_kn
+    drift = drift_of(current, file.antenna)
+    ahead, sway = through_water(*ground, heading, rate, drift)
     return Sailed(
         source=file.heading.name,
         t=t,
@@ -255,17 +257,6 @@ def sail(file: DeccaFile, readings: Readings, *, smooth: bool) -> Sailed:
         rudder=readings.rudder,
         colours=tuple("+".join(fix.colours) if fix else "" for fix in fixes),
     )
-
-
-def _coordinate(fixes: list[Fix | None], axis: int) -> Numbers:
-    """Return one coordinate [m] of the fixes, NaN where there is none."""
-    return np.array([fix.place[axis] if fix else math.nan for fix in fixes])
-
-
-def _drift(file: DeccaFile) -> Drift:
-    """Return current and antenna of a study."""
-    east, north = file.heading.current_east_kn, file.heading.current_north_kn
-    return Drift(KNOT * (east or 0.0), KNOT * (north or 0.0), file.antenna)
 
 
 def write_track(sailed: Sailed, path: Path) -> None:

@@ -5,11 +5,10 @@ from typing import Any, cast
 
 import numpy as np
 
-from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.files import ConfigError, nearest
 from trainer.core.kernel import Numbers
 from trainer.identify.record.measurements import CHANNELS, Record
 from trainer.identify.record.sources import (
-    FURTHER_CHANNELS,
     FURTHER_COLUMNS,
     OWN,
     Column,
@@ -52,23 +51,11 @@ def names_of(frame: Mapping[str, Any]) -> list[str]:
     return [*frame.keys(), *([index] if index else [])]
 
 
-def scale_of(channel: str, unit: str | None) -> float:
-    """Return what a channel's numbers are times in SI. ConfigError if it has no such unit."""
-    if unit is None:
-        return 1.0
-    if channel not in FURTHER_CHANNELS:
-        return factor(channel, unit)
-    if unit not in FURTHER_CHANNELS[channel]:
-        known = " or ".join(FURTHER_CHANNELS[channel])
-        raise ConfigError(f"{channel}: unit {quote(unit)}: must be {known}")
-    return FURTHER_CHANNELS[channel][unit]
-
-
 def arrays_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> dict[str, Numbers]:
     """Return arrays by channel, SI; ConfigError naming a column that cannot be used."""
     taken: dict[str, Numbers] = {}
     for channel, column in columns.items():
-        scale = scale_of(channel, column.unit)
+        scale = factor(channel, column.unit)
         # the index of a pandas frame is no column of it
         found = frame[column.name] if column.name in frame else cast("Any", frame).index
         values = np.asarray(found)

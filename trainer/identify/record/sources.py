@@ -68,11 +68,18 @@ def own_columns() -> dict[str, Column]:
 
 def units_of(channel: str) -> Mapping[str, float]:
     """Return the units that a channel can have, and what each is in SI."""
+    if channel in FURTHER_CHANNELS:
+        return FURTHER_CHANNELS[channel]
     return UNITS["place" if channel in PLACES else "s" if channel == "t" else CHANNELS[channel]]
 
 
-def factor(channel: str, unit: str) -> float:
-    """Return what numbers in ``unit`` are times in SI. ConfigError if the channel has none such."""
+def factor(channel: str, unit: str | None) -> float:
+    """Return what numbers in ``unit`` are times in SI; ConfigError if the channel has none such.
+
+    Without a unit they are SI.
+    """
+    if unit is None:
+        return 1.0
     known = units_of(channel)
     if unit not in known:
         raise ConfigError(f"{channel}: unit {quote(unit)}: must be {' or '.join(known)}")

@@ -35,7 +35,7 @@ from trainer.identify.record.study_records import (
     Ship,
     Track,
 )
-from trainer.identify.record.track import Drift, with_sway
+from trainer.identify.record.track import drift_of, with_sway
 from trainer.io.paths import SUFFIX
 from trainer.units import KNOT
 
@@ -165,8 +165,7 @@ def _columns(rows: tuple[ColumnRow, ...], place: Place, *, steered: bool) -> dic
     found = {}
     for i, row in enumerate(rows):
         try:
-            if row.unit is not None:
-                factor(row.channel, row.unit)
+            factor(row.channel, row.unit)
             found[row.channel] = Column(row.column, row.unit)
         except ConfigError as wrong:
             problems.append(place.inside(f"columns[{i}]").problem(str(wrong)))
@@ -258,7 +257,9 @@ def observe(study: Study, loaded: Record | None = None) -> Observed:
         record = replace(record, driving=study.system.inputs)
         findings = examine_columns(record)
     else:
-        record = with_sway(record, _drift(study.track or Track()))
+        track = study.track or Track()
+        current = track.current_east_kn, track.current_north_kn
+        record = with_sway(record, drift_of(current, track.antenna_m))
         findings = examine(record, study.ship)
     record = unwrap_heading(record).every(int(heading.every or 1))
     if study.sensors is not None:
@@ -295,12 +296,6 @@ def _study_of(study: Study, number: int, row: RunRow) -> Study:
         sensors = replace(sensors, seed=(sensors.seed or 1) + number)
     heading = replace(study.heading, data=row.data, from_s=row.from_s, to_s=row.to_s)
     return replace(study, heading=heading, ship=ship, sensors=sensors, runs=())
-
-
-def _drift(track: Track) -> Drift:
-    """Return current [m/s] and antenna [m] of a track."""
-    east, north = (KNOT * (one or 0.0) for one in (track.current_east_kn, track.current_north_kn))
-    return Drift(east, north, track.antenna_m or 0.0)
 
 
 def speed_of(study: Study, record: Record) -> float:

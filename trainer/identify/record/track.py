@@ -15,6 +15,7 @@ from trainer.config.files import ConfigError
 from trainer.config.tables import EVEN
 from trainer.core.kernel import Numbers
 from trainer.identify.record.measurements import Finding, Record
+from trainer.units import KNOT
 
 EQUATOR: Final = 6_378_137.0  # [m] of WGS 84
 FLATTENING: Final = 1.0 / 298.257223563  # [-] likewise
@@ -69,6 +70,12 @@ class Drift(NamedTuple):
     east: float
     north: float
     antenna: float  # forward of the point wanted
+
+
+def drift_of(current_kn: tuple[float | None, float | None], antenna: float | None) -> Drift:
+    """Return current east and north [kn] and antenna [m], nothing where they are not said."""
+    east, north = (KNOT * (one or 0.0) for one in current_kn)
+    return Drift(east, north, antenna or 0.0)
 
 
 def through_water(

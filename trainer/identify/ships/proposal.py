@@ -1,7 +1,7 @@
 """The file of a ship begun from a record, for its user to complete."""
 
 import shlex
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from pathlib import Path
 from typing import Final
 
@@ -57,7 +57,7 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
     """
     table = read_table(data)
     own = _own(table)
-    found = own or guess_columns(table, SHIP_WORDS, _units)
+    found = own or guess_columns(table, SHIP_WORDS)
     if found.columns.keys() <= {"t"}:
         raise ConfigError(
             f"{data}: no column looks like the rudder, the speed or the heading; it has "
@@ -87,7 +87,7 @@ def _own(table: Table) -> GuessedColumns | None:
     """Return the columns as the trainer writes them, which a ship's file need not name."""
     own = {
         **own_columns(),
-        **{key: Column(name, next(iter(_units(key)))) for key, name in FURTHER_COLUMNS.items()},
+        **{key: Column(name, next(iter(units_of(key)))) for key, name in FURTHER_COLUMNS.items()},
     }
     found = {key: column for key, column in own.items() if table.has(column.name)}
     return None if _lacking(found) else GuessedColumns(found, frozenset())
@@ -97,11 +97,6 @@ def fitting(data: Path, path: Path) -> str:
     """Return the command that fits the ship of a file to a record."""
     names = [shlex.quote(str(one)) for one in (data, path)]
     return f"trainer identify {names[0]} --model mmg --ship {names[1]}"
-
-
-def _units(channel: str) -> Mapping[str, float]:
-    """Return the units that a channel can have, and what each is in SI."""
-    return FURTHER_CHANNELS[channel] if channel in FURTHER_CHANNELS else units_of(channel)
 
 
 def _lacking(columns: Collection[str]) -> dict[str, str]:

@@ -137,11 +137,12 @@ def _read(
     for key, one in columns.items():
         if key in FURTHER_CHANNELS:
             place = table.place(one.name, key)
-            unit = one.unit or table.units[place] or next(iter(FURTHER_CHANNELS[key]))
-            if unit not in FURTHER_CHANNELS[key]:
-                known = " or ".join(FURTHER_CHANNELS[key])
-                raise ConfigError(f"{path}: {one.name}: unit {quote(unit)}: must be {known}")
-            further[key] = table.numbers(place) * FURTHER_CHANNELS[key][unit]
+            known = FURTHER_CHANNELS[key]
+            unit = one.unit or table.units[place] or next(iter(known))
+            if unit not in known:
+                wrong = f"unit {quote(unit)}: must be {' or '.join(known)}"
+                raise ConfigError(f"{path}: {one.name}: {wrong}")
+            further[key] = table.numbers(place) * known[unit]
     return record, further
 
 

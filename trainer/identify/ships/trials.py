@@ -11,7 +11,7 @@ from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.vehicle import Measure
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, cut, table, wrap
+from trainer.analysis.report.text import INDENT, cut, items, table, wrap
 from trainer.boat.ship.models import model_for
 from trainer.config.files import ConfigError
 from trainer.config.sensors import Sensors
@@ -382,7 +382,7 @@ def render(report: Report) -> str:
     lines += ["", *_table(report.plans)]
     for plan in report.plans:
         lines += ["", f"{INDENT}What {plan.name} will not tell", *_untold(plan)]
-    lines += ["", *(line for text in report.remarks for line in wrap(f"- {text}"))]
+    lines += ["", *items(report.remarks)]
     return "\n".join(lines).rstrip()
 
 
@@ -408,7 +408,7 @@ def _cell(one: Coefficient) -> str:
 def _untold(plan: Plan) -> list[str]:
     """Return what a plan will not tell, in words."""
     worst = plan.untold[:WORST]
-    found = [line for one in worst for line in wrap(f"- {in_words(one)}")]
+    found = items(map(in_words, worst))
     if plan.from_book:
         found += wrap(f"- {', '.join(plan.from_book)}: from the book (its share above 90 %)")
     return found or wrap("- nothing: each coefficient is told by itself")
