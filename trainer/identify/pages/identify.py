@@ -14,7 +14,7 @@ from trainer.identify import sheet as sheets
 from trainer.identify.fitting.nonlinear import predict
 from trainer.identify.judge.allowed import Band, pulse_of, step_of
 from trainer.identify.judge.residuals import Residuals
-from trainer.identify.judge.validation import alone
+from trainer.identify.judge.validation import Check, alone
 from trainer.identify.model.models import UNITS
 from trainer.identify.model.nomoto import scale
 from trainer.identify.pages.results import Direction, Estimate, Identified, Report
@@ -61,7 +61,7 @@ def render(report: Report) -> str:
         lines += ["", *residual_table(report.residuals)]
         lines += items(report.verdicts)
     if report.check is not None:
-        lines += ["", *_check_lines(report)]
+        lines += ["", *_check_lines(report.check, report.units)]
     lines += _bend_lines(report)
     if report.terms:
         lines += ["", *_term_table(report)]
@@ -252,15 +252,13 @@ def _sign_changes(one: Residuals) -> str:
     return f"{one.sign_changes} of {usual}"
 
 
-def _check_lines(report: Report) -> list[str]:
-    check = report.check
-    if check is None:
-        return []
+def _check_lines(check: Check, units: tuple[str, ...]) -> list[str]:
+    """Return how well another record is predicted."""
     rows = [
         (name, unit, f"{rms:.4g}", *(f"{100.0 * one:.1f}" for one in shares))
         for name, unit, rms, *shares in zip(
             check.outputs,
-            report.units,
+            units,
             check.rms,
             check.share,
             check.own,

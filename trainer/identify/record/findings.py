@@ -37,10 +37,7 @@ SPEEDS: Final = (  # what a speed is then of what it must be [-]
 )
 HALF_TURN: Final = math.pi
 FEWEST: Final = 20  # samples, to judge signs and loops
-SWINGS: Final = (
-    1 / 30,
-    30.0,
-)  # [-] heading's over the rudder's, deviations: what no trial goes beyond
+SWINGS: Final = 1 / 30, 30.0  # [-] deviation of the heading over the rudder's: no trial goes beyond
 TURNS: Final = 0.03, 15.0  # [-] likewise yaw rate's over the rudder's, in ship lengths a second
 PIVOT: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
 SPIKE: Final = 10.0  # [-] of the usual scatter, that one reading stands out from its neighbours

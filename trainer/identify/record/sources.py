@@ -74,9 +74,9 @@ def units_of(channel: str) -> Mapping[str, float]:
 
 
 def factor(channel: str, unit: str | None) -> float:
-    """Return what numbers in ``unit`` are times in SI; ConfigError if the channel has none such.
+    """Return what numbers in ``unit`` are times in SI, without one 1.
 
-    Without a unit they are SI.
+    ConfigError if the channel has no such unit.
     """
     if unit is None:
         return 1.0
