@@ -70,11 +70,30 @@ def test_functions_are_short() -> None:
 def test_layers_name_packages_only() -> None:
     table = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = table["tool"]["importlinter"]["contracts"]
-    assert len(contracts) == 4
-    (layers,) = (each["layers"] for each in contracts if each["type"] == "layers")
+    assert len(contracts) == 5
+    layers, *_ = (each["layers"] for each in contracts if each["type"] == "layers")
     assert len(layers) <= 10
     named = {name.strip() for layer in layers for name in layer.split("|")}
     assert named == {f"trainer.{package}" for package in PACKAGES}
+
+
+def test_options_below_the_command_line_are_records() -> None:
+    """A mapping would take any name, and give back anything."""
+    functions = [
+        (path, node)
+        for path in SOURCES
+        if path.parent != PACKAGE / "cli"
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef)
+    ]
+    kinds = [
+        (path.name, node.name, ast.unparse(each.annotation))
+        for path, node in functions
+        for each in (*node.args.args, *node.args.kwonlyargs)
+        if each.arg == "options" and each.annotation
+    ]
+    assert kinds
+    assert not [one for one in kinds if one[2].startswith(("dict", "Mapping", "Any"))]
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:

@@ -19,12 +19,12 @@ import numpy as np
 from cases.reference_ships import TANKER, TANKER_RUDDER
 
 from trainer.core.kernel import Numbers
-from trainer.identify.estimate import estimate
-from trainer.identify.likelihood import Likelihood
-from trainer.identify.minimise import Search, stretch
+from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.minimise import Search, stretch
+from trainer.identify.fitting.problem import Problem
+from trainer.identify.judge.validation import deterministic, draw_outputs
 from trainer.identify.monte_carlo import one_run
-from trainer.identify.problem import Problem
-from trainer.identify.validation import deterministic, draw_outputs
 
 ROUNDS: Final = 25
 BATCH_S: Final = 4e-3  # [s] a batch takes at least

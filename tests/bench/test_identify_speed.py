@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from bench import identify, sections
 from bench.__main__ import bench as bench_command
 from bench.identify import Paces, Row, Speed, by_statsmodels, likelihoods_of_a_fit
-from trainer.identify.likelihood import Likelihood
+from trainer.identify.fitting.likelihood import Likelihood
 
 
 def records() -> Any:

@@ -14,16 +14,16 @@ import numpy as np
 from cases.reference_ships import SHIP_DERIVATIVES, TANKER, sequence
 from cases.ships import Figure
 from trainer.core.kernel import Numbers
-from trainer.identify.decca import Point, Slave, lane_at, track
-from trainer.identify.derived import nomoto_of
-from trainer.identify.estimate import estimate
-from trainer.identify.likelihood import Likelihood
-from trainer.identify.measurements import Samples
-from trainer.identify.minimise import Search
-from trainer.identify.problem import Problem
-from trainer.identify.track import along, derivative, smooth_spencer
-from trainer.identify.uncertainty import beside_bounds, uncertainty
-from trainer.identify.validation import draw_outputs
+from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.minimise import Search
+from trainer.identify.fitting.problem import Problem
+from trainer.identify.judge.uncertainty import beside_bounds, uncertainty
+from trainer.identify.judge.validation import draw_outputs
+from trainer.identify.model.derived import nomoto_of
+from trainer.identify.record.decca import Point, Slave, lane_at, track
+from trainer.identify.record.measurements import Samples
+from trainer.identify.record.track import along, derivative, smooth_spencer
 from trainer.units import KNOT
 
 CHAIN: Final = {"red": Slave(Point(-60e3, 20e3), 440.0), "green": Slave(Point(40e3, 70e3), 590.0)}

@@ -14,9 +14,9 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.models import Ship
+from trainer.identify.fitting.problem import Problem
+from trainer.identify.model.models import Ship
 from trainer.identify.monte_carlo import Rehearsal, Run, one_run
-from trainer.identify.problem import Problem
 from trainer.units import DEGREE, KNOT
 
 SHIP_DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")

@@ -13,9 +13,9 @@ import numpy as np
 from cases.decca import by_lanes
 from cases.ships import PROOFS, bent_hull
 from trainer.core.kernel import Numbers
-from trainer.identify.armax import Armax, fit_armax, without_wind
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.residuals import aic_of_loss, f_test
+from trainer.identify.fitting.armax import Armax, fit_armax, without_wind
+from trainer.identify.judge.residuals import aic_of_loss, f_test
 
 RUNS: Final = 40
 # (6.3); its C is so that the deviations are those found from it

@@ -25,21 +25,22 @@ from cases.reference_ships import (
     zigzag_rudder,
 )
 from trainer.core.kernel import Numbers
-from trainer.identify import uncertainty as uncertainty_module
-from trainer.identify.derived import nomoto_of
-from trainer.identify.estimate import estimate
+from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.minimise import Search
+from trainer.identify.fitting.nonlinear import Bent
+from trainer.identify.fitting.prediction_error import Innovations, no_gain
+from trainer.identify.fitting.problem import Problem
+from trainer.identify.judge import propagation
+from trainer.identify.judge import uncertainty as uncertainty_module
+from trainer.identify.judge.uncertainty import beside_bounds, uncertainty
+from trainer.identify.judge.validation import deterministic, draw_outputs
 from trainer.identify.kernels.nonlinear_steering import run_bent
-from trainer.identify.likelihood import Likelihood
-from trainer.identify.measurements import Samples
-from trainer.identify.minimise import Search
-from trainer.identify.models import Ship
+from trainer.identify.model.derived import nomoto_of
+from trainer.identify.model.models import Ship
+from trainer.identify.model.sampled import aside
 from trainer.identify.monte_carlo import Rehearsal
-from trainer.identify.nonlinear import Bent
-from trainer.identify.prediction_error import Innovations, no_gain
-from trainer.identify.problem import Problem
-from trainer.identify.sampled import aside
-from trainer.identify.uncertainty import beside_bounds, uncertainty
-from trainer.identify.validation import deterministic, draw_outputs
+from trainer.identify.record.measurements import Samples
 from trainer.units import DEGREE, KNOT
 
 if TYPE_CHECKING:
@@ -249,10 +250,10 @@ def sway_alone(records: int = SWAY_RECORDS) -> Iterator[Figure]:
         known = beside_bounds(uncertainty(problem.names, cost.information(theta)))
         low, high = uncertainty_module.intervals(problem, theta, known.deviations).T
         inside.append(((low <= problem.start) & (problem.start <= high))[:4])
-        draws = uncertainty_module.draw_parameters(
-            theta, np.nan_to_num(known.covariance), uncertainty_module.DRAWS, seed
+        draws = propagation.draw_parameters(
+            theta, np.nan_to_num(known.covariance), propagation.DRAWS, seed
         )
-        span, truths = uncertainty_module.span_draws(told, draws)[1], told(problem.start)
+        span, truths = propagation.span_draws(told, draws)[1], told(problem.start)
         within.append((span.low <= truths) & (truths <= span.high))
     yield Figure("S8", "coefficients inside 95 % intervals", 0.85, float(np.mean(inside)), 1.0)
     for name, share in zip(SWAY_NUMBERS, np.mean(within, axis=0), strict=True):

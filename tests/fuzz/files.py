@@ -38,12 +38,12 @@ from trainer.config.sea import parse_sea
 from trainer.config.ship import parse_ship, ship_text
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core.kernel import Record
-from trainer.identify.decca_study import load_decca, load_readings
-from trainer.identify.estimate import resume
+from trainer.identify.fitting.checkpoint import resume
+from trainer.identify.model.system_files import load_system
+from trainer.identify.record.decca_study import load_decca, load_readings
+from trainer.identify.record.sources import Column, load_record
+from trainer.identify.record.study import load_study
 from trainer.identify.ships.vehicle import IdentifiedShip
-from trainer.identify.sources import Column, load_record
-from trainer.identify.study import load_study
-from trainer.identify.system_files import load_system
 
 CONDITIONS: Final = (
     "depth > 100",

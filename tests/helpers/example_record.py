@@ -15,7 +15,7 @@ from pathlib import Path
 from click.testing import CliRunner
 
 from trainer.cli.main import cli
-from trainer.identify.study import observe, plain_study
+from trainer.identify.record.study import observe, plain_study
 from trainer.units import KNOT
 
 COMMANDS = (

@@ -13,19 +13,19 @@ from helpers.studies import columns
 
 from trainer.analysis.report.plots import Curve, Panel, Screen
 from trainer.cli.identify import identify
-from trainer.identify.alternatives import _draw_parameters, draw_allowed, pulse_of, step_of
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.fitting import fit
-from trainer.identify.measurements import Samples
-from trainer.identify.minimise import unheard
-from trainer.identify.models import MODELS, Plant, Ship
-from trainer.identify.options import study_of
-from trainer.identify.pages.identify import sheet
-from trainer.identify.problem import problem_of
-from trainer.identify.study import observe
-from trainer.identify.uncertainty import draw_parameters as draws
-from trainer.identify.uncertainty import propagate, span_draws
-from trainer.identify.validation import draw_outputs
+from trainer.identify.fitting.minimise import unheard
+from trainer.identify.fitting.problem import problem_of
+from trainer.identify.judge.allowed import _draw_parameters, draw_allowed, pulse_of, step_of
+from trainer.identify.judge.fitted import fit
+from trainer.identify.judge.propagation import draw_parameters as draws
+from trainer.identify.judge.propagation import propagate, span_draws
+from trainer.identify.judge.validation import draw_outputs
+from trainer.identify.model.models import MODELS, Plant, Ship
+from trainer.identify.options import IdentifyOptions, study_of
+from trainer.identify.record.measurements import Samples
+from trainer.identify.record.study import observe
+from trainer.identify.sheet import sheet
 
 pytest.importorskip("scipy")
 
@@ -47,20 +47,6 @@ kind = "nomoto2"
 outputs = ["yaw_rate"]
 """
 )
-ASKED = {
-    "every": None,
-    "begin": None,
-    "end": None,
-    "exact": False,
-    "vessel": None,
-    "length": None,
-    "knots": None,
-    "armax": False,
-    "model": None,
-    "channels": (),
-    "noise": None,
-    "method": None,
-}
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +68,7 @@ def path(tmp_path_factory: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def fitted(path: Any) -> Any:
-    study = study_of(path, ASKED)
+    study = study_of(path, IdentifyOptions())
     return fit(study, observe(study).record, unheard)
 
 

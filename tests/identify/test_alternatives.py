@@ -7,13 +7,13 @@ import pytest
 from cases.reference_ships import ISLAND, TANKER, TANKER_RUDDER
 from numpy.testing import assert_allclose
 
-from trainer.identify.armax import Armax, fit_armax
-from trainer.identify.estimate import estimate
-from trainer.identify.likelihood import Likelihood
-from trainer.identify.minimise import Search
-from trainer.identify.prediction_error import settled_gain
-from trainer.identify.uncertainty import hessian, uncertainty
-from trainer.identify.validation import draw_outputs
+from trainer.identify.fitting.armax import Armax, fit_armax
+from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.minimise import Search
+from trainer.identify.fitting.prediction_error import settled_gain
+from trainer.identify.judge.uncertainty import hessian, uncertainty
+from trainer.identify.judge.validation import draw_outputs
 
 linalg = pytest.importorskip("scipy.linalg")
 

@@ -8,17 +8,17 @@ import pytest
 from helpers.places import ROOT
 
 from trainer.config.files import ConfigError
-from trainer.identify.armax import (
+from trainer.identify.experiment import hold_bits, prbs
+from trainer.identify.fitting.armax import (
     Armax,
     _Search,
     detrend,
     fit_armax,
     remove_delay,
-    try_orders,
     without_wind,
 )
-from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.residuals import examine_residuals, verdicts
+from trainer.identify.judge.orders import try_orders
+from trainer.identify.judge.residuals import examine_residuals, verdicts
 
 DATA = ROOT.parent / "shared" / "data"  # beside the project
 HAKUSAN = DATA / "hakusan" / "hakusan.csv"

@@ -11,7 +11,7 @@ from helpers.decca_run import CASES, CHAIN, TRACK, write_run
 
 from trainer.cli.identify import decca
 from trainer.config.files import ConfigError
-from trainer.identify.decca import (
+from trainer.identify.record.decca import (
     Point,
     Slave,
     fixes,
@@ -20,9 +20,9 @@ from trainer.identify.decca import (
     resolve_lane,
     track,
 )
-from trainer.identify.decca_study import load_decca, load_readings, sail, write_track
-from trainer.identify.sources import Column, load_record, own_columns
-from trainer.identify.track import (
+from trainer.identify.record.decca_study import load_decca, load_readings, sail, write_track
+from trainer.identify.record.sources import Column, load_record, own_columns
+from trainer.identify.record.track import (
     SPENCER,
     along,
     derivative,

@@ -13,7 +13,6 @@ from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sensors import Sensors
 from trainer.config.vessel import load_vessel, parse_vessel
-from trainer.identify.design import Reading, prospect
 from trainer.identify.experiment import (
     Sequence,
     exercise_text,
@@ -27,13 +26,15 @@ from trainer.identify.experiment import (
     zigzag_orders,
     zigzag_told,
 )
-from trainer.identify.fitting import fit
-from trainer.identify.minimise import unheard
-from trainer.identify.nomoto import Nomoto
-from trainer.identify.sources import read_by
-from trainer.identify.steering import averages, coefficients, rewritten, steering
-from trainer.identify.study import plain_study
-from trainer.identify.study_records import ModelTable, Ship
+from trainer.identify.fitting.minimise import unheard
+from trainer.identify.judge.design import Reading, prospect
+from trainer.identify.judge.fitted import fit
+from trainer.identify.model.nomoto import Nomoto
+from trainer.identify.model.steering import steering
+from trainer.identify.pages.ship_files import averages, coefficients, rewritten
+from trainer.identify.record.sources import read_by
+from trainer.identify.record.study import plain_study
+from trainer.identify.record.study_records import ModelTable, Ship
 from trainer.units import KNOT
 
 SHIP = Nomoto(K=-0.28, T1=40.0 + 0j, T2=5.0 + 0j, T3=9.0, K_v=8.0, T3v=2.5)

@@ -12,10 +12,8 @@ from helpers.differences import gradient_and_hessian, refined, relative_steps
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
-from trainer.identify.kernels.covariance_filter import settle
-from trainer.identify.likelihood import Likelihood
-from trainer.identify.measurements import Samples
-from trainer.identify.prediction_error import (
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.prediction_error import (
     Innovations,
     MultiStep,
     _concentrate,
@@ -26,7 +24,9 @@ from trainer.identify.prediction_error import (
     run_filter,
     settled_gain,
 )
-from trainer.identify.validation import deterministic, draw_outputs
+from trainer.identify.judge.validation import deterministic, draw_outputs
+from trainer.identify.kernels.covariance_filter import settle
+from trainer.identify.record.measurements import Samples
 
 PERIOD = TANKER.period
 

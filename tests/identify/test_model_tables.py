@@ -9,11 +9,11 @@ import pytest
 from helpers.places import DATA
 
 from trainer.config.files import ConfigError
-from trainer.identify.armax import Armax, rounding_poles, without_wind
 from trainer.identify.experiment import TAPS, hold_bits, prbs
-from trainer.identify.nomoto import levers, nomoto, scale, solve_motion, transfer
-from trainer.identify.residuals import aic_of_loss, f_test, ratio_test
-from trainer.identify.uncertainty import draw_parameters, propagate
+from trainer.identify.fitting.armax import Armax, rounding_poles, without_wind
+from trainer.identify.judge.propagation import draw_parameters, propagate
+from trainer.identify.judge.residuals import aic_of_loss, f_test, ratio_test
+from trainer.identify.model.nomoto import levers, nomoto, scale, solve_motion, transfer
 
 VECTORS = DATA / "identification"
 KNOT = 1852.0 / 3600.0

@@ -12,8 +12,7 @@ from click.testing import CliRunner
 from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
 from trainer.config.nomoto import load_nomoto
-from trainer.identify.measurements import Record
-from trainer.identify.nonlinear import (
+from trainer.identify.fitting.nonlinear import (
     CURVE,
     LINEAR,
     Bent,
@@ -21,6 +20,7 @@ from trainer.identify.nonlinear import (
     curve_from_turns,
     predict,
 )
+from trainer.identify.record.measurements import Record
 
 STABLE = Bent(-0.05, 40.0, 8.0, 15.0, 400.0)
 UNSTABLE = Bent(0.114, -304.0, 13.4, 33.4, 1230.0)  # A K Fernstrom, section 8

@@ -14,8 +14,8 @@ from numpy.testing import assert_allclose
 
 from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
-from trainer.identify.sampled import STEP, aside
-from trainer.identify.system_files import key_tables, load_system, parse
+from trainer.identify.model.sampled import STEP, aside
+from trainer.identify.model.system_files import key_tables, load_system, parse
 
 pytest.importorskip("scipy")
 
@@ -210,7 +210,7 @@ def test_a_power_without_end_is_no_number() -> None:
 
 
 def test_expressions_are_never_run() -> None:
-    source = (ROOT / "trainer/identify/system_files.py").read_text(encoding="utf-8")
+    source = (ROOT / "trainer/identify/model/system_files.py").read_text(encoding="utf-8")
     called = {
         node.func.id
         for node in ast.walk(ast.parse(source))

@@ -12,9 +12,9 @@ from helpers.studies import answered
 
 from trainer.config.files import ConfigError
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.proposal import write_proposal
-from trainer.identify.sources import USUAL
-from trainer.identify.study import load_study, observe
+from trainer.identify.record.proposal import write_proposal
+from trainer.identify.record.sources import USUAL
+from trainer.identify.record.study import load_study, observe
 from trainer.units import KNOT
 
 EXAMPLE = ROOT / "configs" / "records" / "example.csv"

@@ -12,12 +12,12 @@ from helpers.studies import columns
 
 from trainer.config import nomoto
 from trainer.config.files import ConfigError
-from trainer.identify import decca_study
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.findings import examine, follows_motion, unwrap_heading
-from trainer.identify.sources import Column, factor, load_record, own_columns
-from trainer.identify.study import load_study, observe, plain_study, speed_of
-from trainer.identify.study_records import key_tables
+from trainer.identify.record import decca_study
+from trainer.identify.record.findings import examine, follows_motion, unwrap_heading
+from trainer.identify.record.sources import Column, factor, load_record, own_columns
+from trainer.identify.record.study import load_study, observe, plain_study, speed_of
+from trainer.identify.record.study_records import key_tables
 
 STUDY = """
 schema = "identify/1"

@@ -16,19 +16,20 @@ from helpers.studies import columns
 from trainer.analysis.report.panels import draw
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.cli.identify import identify
-from trainer.identify.alternatives import draw_allowed
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.fitting import fit
-from trainer.identify.measurements import Samples
-from trainer.identify.minimise import unheard
-from trainer.identify.models import MODELS, Plant, Ship
-from trainer.identify.nonlinear import Bend, Bent
-from trainer.identify.outcome import bent_terms, matrices_of, series_of, terms_of
-from trainer.identify.pages.identify import MOST, screens
+from trainer.identify.fitting.minimise import unheard
+from trainer.identify.fitting.nonlinear import Bend, Bent
+from trainer.identify.fitting.problem import problem_of
+from trainer.identify.judge.allowed import draw_allowed
+from trainer.identify.judge.fitted import fit
+from trainer.identify.judge.validation import deterministic, draw_outputs
+from trainer.identify.model.models import MODELS, Plant, Ship
+from trainer.identify.pages.identify import screens
 from trainer.identify.pages.results import describe
-from trainer.identify.problem import problem_of
-from trainer.identify.study import load_study, observe
-from trainer.identify.validation import deterministic, draw_outputs
+from trainer.identify.pages.series import bent_terms, matrices_of, series_of, terms_of
+from trainer.identify.record.measurements import Samples
+from trainer.identify.record.study import load_study, observe
+from trainer.identify.sheet import MAX_PANELS
 
 pytest.importorskip("scipy")
 
@@ -274,7 +275,7 @@ def test_every_figure_is_on_a_screen_of_four_at_most(described: Any) -> None:
         *("Record", "Residuals", "Correlations 1", "Correlations 2", "Step", "Pulse"),
         *("Bode 1", "Bode 2", "Terms"),
     ]
-    assert all(1 <= len(screen.panels) <= MOST for screen in shown)
+    assert all(1 <= len(screen.panels) <= MAX_PANELS for screen in shown)
     titles = [panel.title for screen in shown for panel in screen.panels]
     assert len(set(titles)) == len(titles) == 27
 

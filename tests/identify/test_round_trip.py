@@ -17,7 +17,7 @@ from trainer.analysis.characteristic import horizontal
 from trainer.cli.guide import manoeuvre
 from trainer.cli.identify import identify, prbs
 from trainer.config.vessel import load_vessel
-from trainer.identify.steering import steering
+from trainer.identify.model.steering import steering
 from trainer.units import KNOT
 
 pytest.importorskip("scipy")

@@ -14,14 +14,14 @@ from numpy.testing import assert_allclose
 
 from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
-from trainer.identify.estimate import estimate
-from trainer.identify.likelihood import Likelihood
-from trainer.identify.minimise import Search
-from trainer.identify.models import MODELS
-from trainer.identify.prediction_error import Innovations, MultiStep, no_gain, settled_gain
-from trainer.identify.problem import Problem, Run
-from trainer.identify.uncertainty import hessian
-from trainer.identify.validation import draw_outputs
+from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.minimise import Search
+from trainer.identify.fitting.prediction_error import Innovations, MultiStep, no_gain, settled_gain
+from trainer.identify.fitting.problem import Problem, Run
+from trainer.identify.judge.uncertainty import hessian
+from trainer.identify.judge.validation import draw_outputs
+from trainer.identify.model.models import MODELS
 
 pytest.importorskip("scipy")
 

@@ -9,9 +9,9 @@ from helpers.places import DATA
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
-from trainer.identify.models import MODEL_1, MODELS, Blocks, Plant, Ship
-from trainer.identify.nomoto import nomoto, transfer
-from trainer.identify.sampled import STEP, aside, sample
+from trainer.identify.model.models import MODEL_1, MODELS, Blocks, Plant, Ship
+from trainer.identify.model.nomoto import nomoto, transfer
+from trainer.identify.model.sampled import STEP, aside, sample
 
 VECTORS = json.loads((DATA / "identification" / "discretisation.json").read_text())
 A, B, R1 = (np.array(VECTORS[key]) for key in ("A", "B", "R1"))

@@ -18,6 +18,7 @@ from helpers.ships import COEFFICIENTS, SHIP, sailed_zigzag
 import trainer
 from trainer.analysis.manoeuvres.catalogue import adjust
 from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.page import ManoeuvreOptions
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT, STARBOARD
 from trainer.analysis.sweep.study import parse_study
@@ -261,12 +262,8 @@ def test_a_manoeuvre_says_its_band_and_what_is_beyond_the_records(
     known: ShipFile, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(vehicle, "DRAWS", 30)
-    options = dict.fromkeys(
-        ("speed", "step", "angle", "execute", "planes", "duration", "step_speed", "step_time")
-    )
-    options |= dict.fromkeys(("ahead_speed", "ahead_time", "side", "direction"))
 
-    report, _ = fly_ship(known, "turning-circle", options)
+    report, _ = fly_ship(known, "turning-circle", ManoeuvreOptions())
 
     band = {one.name: one for one in report.intervals}
     own = {one.name: one.value for one in report.measures}

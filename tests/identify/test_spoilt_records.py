@@ -11,7 +11,7 @@ import pytest
 
 from trainer.config.files import ConfigError
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.study import load_study, observe
+from trainer.identify.record.study import load_study, observe
 
 Columns = dict[str, Any]
 STEP, LENGTH, SPEED = 2.0, 100.0, 12.0

@@ -22,11 +22,11 @@ from trainer.cli.identify import steering
 from trainer.config.files import ConfigError
 from trainer.config.nomoto import NomotoFile, is_nomoto, key_table, load_nomoto, nomoto_text_of
 from trainer.config.vessel import load_vessel
-from trainer.identify.derived import arms_of, nomoto_of
-from trainer.identify.models import MODELS
-from trainer.identify.nonlinear import Bent
+from trainer.identify.fitting.nonlinear import Bent
+from trainer.identify.model.derived import arms_of, nomoto_of
+from trainer.identify.model.models import MODELS
+from trainer.identify.model.steering import steering as steering_of
 from trainer.identify.pages.steering import of_nomoto, panels
-from trainer.identify.steering import steering as steering_of
 from trainer.units import DEGREE, KNOT
 
 SPEED = 10.0 * KNOT

@@ -14,13 +14,13 @@ from helpers.studies import columns
 from trainer.cli.identify import identify, prbs
 from trainer.config.files import ConfigError
 from trainer.config.nomoto import load_nomoto
-from trainer.identify.derived import nomoto_of
 from trainer.identify.experiment import hold_bits
 from trainer.identify.experiment import prbs as sequence
-from trainer.identify.models import MODELS, Ship
+from trainer.identify.judge.uncertainty import beside_bounds, uncertainty
+from trainer.identify.judge.validation import draw_outputs
+from trainer.identify.model.derived import nomoto_of
+from trainer.identify.model.models import MODELS, Ship
 from trainer.identify.monte_carlo import Rehearsal
-from trainer.identify.uncertainty import beside_bounds, uncertainty
-from trainer.identify.validation import draw_outputs
 
 pytest.importorskip("scipy")
 

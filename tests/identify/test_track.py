@@ -11,8 +11,8 @@ from helpers.studies import columns
 
 from trainer.config.files import ConfigError
 from trainer.config.tables import read_table
-from trainer.identify.study import load_study, observe
-from trainer.identify.track import ground_velocity
+from trainer.identify.record.study import load_study, observe
+from trainer.identify.record.track import ground_velocity
 from trainer.units import KNOT
 
 STEP, COUNT = 1.0, 200

@@ -20,34 +20,31 @@ from trainer.config.sensors import Sensors
 from trainer.config.ship import ShipFile, parse_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import prbs
+from trainer.identify.record.sources import USUAL
 from trainer.identify.ships.fit import problem_of, search
 from trainer.identify.ships.trials import (
     LEAD,
     BinaryHelm,
     Design,
+    TrialOptions,
     TrialShip,
     design,
     flown_trial,
     sensors_of,
 )
-from trainer.identify.sources import USUAL
 from trainer.units import KNOT
 
 PAGE = (ROOT / "docs" / "nonlinear-ships.md").read_text(encoding="utf-8")
 KNOWN_TEXT = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)[1]
 SENSORS = Sensors(sway_kn=0.04, yaw_rate_deg_s=0.006, heading_deg=0.03)
-OPTIONS: dict[str, Any] = {
-    "zigzag": (20.0, 20.0),
-    **dict.fromkeys(("amplitude", "hold", "bits")),
-    "seed": 1,
-    "seconds": 800.0,
-    "speeds": (),
-    "interval": 5.0,
-    "outputs": (),
-    "unrest": 0.01,
-    "prior_strength": 4.0,
-    "sensors": SENSORS,
-}
+OPTIONS = TrialOptions(
+    zigzag=(20.0, 20.0),
+    seconds=800.0,
+    interval=5.0,
+    unrest=0.01,
+    prior_strength=4.0,
+    sensors=SENSORS,
+)
 WEAK = ((15.0, 15.0), (15.0, 8.0))  # the second with the revolutions of 8 kn
 
 
@@ -60,7 +57,7 @@ def known() -> ShipFile:
 @pytest.fixture(scope="module")
 def pair(known: ShipFile) -> Design:
     """Return a zig-zag, one with fewer revolutions, and both in the same time."""
-    return design(known, OPTIONS | {"speeds": WEAK})
+    return design(known, replace(OPTIONS, speeds=WEAK))
 
 
 def deviations(found: Design, name: str) -> list[float]:
@@ -88,27 +85,18 @@ def test_two_speeds_of_propeller_tell_the_slipstream_from_the_rudder(
 
 def test_two_speeds_with_revolutions_of_their_own_do_not(known: ShipFile) -> None:
     # the propeller advances alike at both: the slower is the same trial, read worse
-    plain = design(known, OPTIONS | {"speeds": ((15.0, 15.0), (8.0, 8.0))})
+    plain = design(known, replace(OPTIONS, speeds=((15.0, 15.0), (8.0, 8.0))))
     alone, slow, both = deviations(plain, "kappa")
 
     assert alone < both < slow
 
 
 def test_better_instruments_and_a_longer_trial_tell_more(known: ShipFile, pair: Design) -> None:
-    first = {"speeds": WEAK[:1]}
-    sharp = design(
-        known,
-        OPTIONS
-        | first
-        | {
-            "sensors": Sensors(
-                **{name: 0.5 * value for name, value in vars(SENSORS).items() if value}
-            ),
-            "unrest": 0.005,
-        },
-    )
-    longer = design(known, OPTIONS | first | {"seconds": 1600.0})
-    blind = design(known, OPTIONS | first | {"outputs": ("sway", "heading")})
+    first = replace(OPTIONS, speeds=WEAK[:1])
+    half = {name: 0.5 * value for name, value in vars(SENSORS).items() if value}
+    sharp = design(known, replace(first, sensors=Sensors(**half), unrest=0.005))
+    longer = design(known, replace(first, seconds=1600.0))
+    blind = design(known, replace(first, outputs=("sway", "heading")))
     assert deviations(blind, "N_r")[0] > 1.02 * deviations(pair, "N_r")[0]
     for name in ("N_F", "Y_v", "kappa"):
         usual = deviations(pair, name)[0]
@@ -117,8 +105,8 @@ def test_better_instruments_and_a_longer_trial_tell_more(known: ShipFile, pair: 
 
 
 def test_the_book_s_share_falls_where_the_book_is_weak(known: ShipFile, pair: Design) -> None:
-    firm = design(known, OPTIONS | {"speeds": WEAK, "prior_strength": 0.5}).report.plans[2]
-    none = design(known, OPTIONS | {"speeds": WEAK[:1], "prior_strength": 0.0}).report.plans[0]
+    firm = design(known, replace(OPTIONS, speeds=WEAK, prior_strength=0.5)).report.plans[2]
+    none = design(known, replace(OPTIONS, speeds=WEAK[:1], prior_strength=0.0)).report.plans[0]
     weak = pair.report.plans[2]
 
     assert "l" in firm.from_book
@@ -272,8 +260,8 @@ def test_the_rudder_follows_the_register_again_and_again_from_where_it_held(
 
 
 def test_bits_and_register_fit_the_ship_and_the_time(known: ShipFile) -> None:
-    alone = {"zigzag": None, "amplitude": 15.0, "seconds": 900.0}
-    (helm,) = design(known, OPTIONS | alone).report.helms
+    alone = replace(OPTIONS, zigzag=None, amplitude=15.0, seconds=900.0)
+    (helm,) = design(known, alone).report.helms
 
     assert helm.hold_s == pytest.approx(320.0 / (15.5 * KNOT))
     assert helm.bits == 5  # 22 bits of it, of a period of 31
@@ -320,11 +308,10 @@ def test_a_ship_without_a_fit_cannot_be_tried(known: ShipFile) -> None:
 
 
 def test_instruments_are_those_asked_for_then_the_file_s_then_usual_ones(known: ShipFile) -> None:
-    options = {"sway": 0.05, "yaw_rate": 0.3, "heading": 0.1}
+    asked = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.3, heading_deg=0.1)
     file = replace(known, sensors=Sensors(sway_kn=0.01, yaw_rate_deg_s=0.01))
 
-    found = sensors_of(file, options, {"yaw_rate"})
+    found = sensors_of(file, asked, {"yaw_rate"})
 
     assert (found.sway_kn, found.yaw_rate_deg_s, found.heading_deg) == (0.01, 0.3, 0.1)
-    usual = {"sway": 0.05, "yaw_rate": 0.02, "heading": 0.1}
-    assert sensors_of(replace(known, sensors=None), usual, ()) == USUAL
+    assert sensors_of(replace(known, sensors=None), USUAL, ()) == USUAL

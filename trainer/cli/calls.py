@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypedDict, TypeVar, Unp
 from trainer.cli import guide, identify
 from trainer.cli import sweep as sweep_command
 from trainer.cli.keywords import parsed
+from trainer.cli.options import record_of
 from trainer.config.extras import require_library
 from trainer.config.files import json_text, shipped_names
 
@@ -194,11 +195,12 @@ def identify_ship(
     ``identify``.
     """
     require_library("scipy", "identify")
-    from trainer.identify.options import study_of  # noqa: PLC0415
+    from trainer.identify import options as studies  # noqa: PLC0415
     from trainer.identify.pages.identify import render  # noqa: PLC0415
 
-    with parsed(identify.identify, [record], options, IdentifyOptions.__annotations__) as asked:
-        report = identify.fit_ship(study_of(Path(record), asked), asked).report
+    with parsed(identify.identify, [record], options, IdentifyOptions.__annotations__) as words:
+        asked = record_of(studies.IdentifyOptions, words)
+        report = identify.fit_ship(studies.study_of(Path(record), asked), asked).report
     figures: dict[str, Estimate | ShipNumber] = {each.name: each for each in report.parameters}
     figures |= {each.name: each for each in report.ship}
     return Answer(report, figures, {}, render(report))

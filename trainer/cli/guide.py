@@ -11,7 +11,7 @@ import click
 
 from trainer.cli import ships
 from trainer.cli.answers import AHEAD, Number, bar, json_of, outputs, show
-from trainer.cli.options import CSV, HTML, PDF, SEA, VESSEL, options_given, together
+from trainer.cli.options import CSV, HTML, PDF, SEA, VESSEL, options_given, record_of, together
 from trainer.cli.types import File, Word
 from trainer.config.words import EQUATIONS
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from trainer.analysis.manoeuvres.flight import Flight
-    from trainer.analysis.manoeuvres.page import Report
+    from trainer.analysis.manoeuvres.page import ManoeuvreOptions, Report
 
 OF_BOATS: Final = (
     *("equations", "rates", "trig", "integrator", "controls", "trim", "law"),
@@ -192,6 +192,17 @@ def _page_of(report: "Report") -> "Callable[[Any], str]":
     return vehicle.render
 
 
+def manoeuvre_options(options: dict[str, Any]) -> "ManoeuvreOptions":
+    """Return what the command's options ask of a manoeuvre."""
+    from trainer.analysis.manoeuvres.catalogue import PARAMETERS  # noqa: PLC0415
+    from trainer.analysis.manoeuvres.page import ManoeuvreOptions  # noqa: PLC0415
+    from trainer.analysis.manoeuvres.submarine import CALM, Rig  # noqa: PLC0415
+
+    given = {key: options[key] for key in PARAMETERS if options[key] is not None}
+    rig = record_of(Rig, {**options, "sea": options["sea"] or CALM})
+    return record_of(ManoeuvreOptions, options, parameters=given, rig=rig)
+
+
 def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Flight]":
     """Return report and flight of a boat, or of a ship that was identified."""
     from trainer.analysis.manoeuvres import page  # noqa: PLC0415
@@ -199,10 +210,11 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
     from trainer.config.ship import is_ship, load_ship  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
+    asked = manoeuvre_options(options)
     path = ships.path_of(vessel)
     known = path.suffix == ".toml" and (is_nomoto(path), is_ship(path))
     if not known or not any(known):
-        return page.fly_boat(load_vessel(vessel), name, options)
+        return page.fly_boat(load_vessel(vessel), name, asked)
     unknown = [f"--{option}" for option in OF_BOATS if option in options_given()]
     if unknown:
         told = f"{vessel} is a ship: {', '.join(unknown)} are for boats"
@@ -210,11 +222,11 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
     if known[1]:
         from trainer.identify.ships.vehicle import fly_ship  # noqa: PLC0415
 
-        return fly_ship(load_ship(path), name, options)
+        return fly_ship(load_ship(path), name, asked)
     from trainer.analysis.manoeuvres.nomoto_ship import steer_ship  # noqa: PLC0415
 
-    ship = steer_ship(path, options["step"])
-    return page.fly_vehicle(ship, name, options, ship.speed_kn)
+    ship = steer_ship(path, asked.step)
+    return page.fly_vehicle(ship, name, asked, ship.speed_kn)
 
 
 @click.command()

@@ -17,12 +17,15 @@ from trainer.cli.options import (
     VESSEL,
     VESSEL_HELP,
     options_given,
+    record_of,
     together,
 )
 from trainer.cli.types import Deeper, File, Name
 
 if TYPE_CHECKING:
+    from trainer.identify.options import IdentifyOptions
     from trainer.identify.pages.results import Identified
+    from trainer.identify.record.study import Study
 
 MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 CHANNELS: Final = ("sway", "yaw_rate", "heading")
@@ -160,13 +163,17 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
 
     require_library("scipy", "trainer prbs")
     if ships.is_ship(vessel):
-        ships.design_trials(ships.path_of(vessel), {**options, "write": write})
+        ships.design_trials(ships.path_of(vessel), options)
         return
     file = load_vessel(vessel)  # what is no boat, or is not there, is told first
-    options["speed"] = _only_speed(vessel, options.pop("speeds"))
+    speed = _only_speed(vessel, options["speeds"])
     from trainer.identify.pages import experiment as page  # noqa: PLC0415
 
-    found = page.design(file, {**options, "vessel": vessel})
+    sensors = ships.sensors_asked(options)
+    asked = record_of(
+        page.ExperimentOptions, options, vessel=vessel, speed_kn=speed, sensors=sensors
+    )
+    found = page.design(file, asked)
     if write is not None:
         write_text(write, found.exercise)
     show(found.report, page.render, lambda: page.panels(found), options)
@@ -224,8 +231,8 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
     \b
     Example:  trainer decca run.toml --csv sway.csv --plot track.png
     """
-    from trainer.identify.decca_study import load_decca, load_readings, sail, write_track  # noqa: PLC0415  # noqa: PLC0415
     from trainer.identify.pages import decca as page  # noqa: PLC0415
+    from trainer.identify.record.decca_study import load_decca, load_readings, sail, write_track  # noqa: PLC0415
 
     study = load_decca(file)
     sailed = sail(study, load_readings(study), smooth=smooth)
@@ -351,14 +358,15 @@ def identify(
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
     if options["model"] in ships.MODELS:
         sys.exit(ships.identify(files, options))
-    from trainer.identify.options import study_of  # noqa: PLC0415
+    from trainer.identify.options import IdentifyOptions, study_of  # noqa: PLC0415
 
-    study = study_of(files[0], {**options, "further": files[1:]})
-    if options["data_only"]:
+    asked = record_of(IdentifyOptions, options, further=files[1:])
+    study = study_of(files[0], asked)
+    if asked.data_only:
         sys.exit(_data(study, options))
-    if options["armax"]:
+    if asked.armax:
         sys.exit(_armax(study, options))
-    sys.exit(_model(study, options))
+    sys.exit(_model(fit_ship(study, asked), options))
 
 
 @identify.below
@@ -386,7 +394,7 @@ def new(
               trainer identify new zz20.csv --ship ship.toml
     """
     from trainer.config.files import as_typed  # noqa: PLC0415
-    from trainer.identify.proposal import write_proposal  # noqa: PLC0415
+    from trainer.identify.record.proposal import write_proposal  # noqa: PLC0415
     from trainer.identify.ships.proposal import fitting, write_ship_file  # noqa: PLC0415
 
     if ship:
@@ -427,7 +435,7 @@ def _example(files: tuple[Path, ...], folder: str) -> Path:
     return place / study.name
 
 
-def _data(study: Any, options: dict[str, Any]) -> int:
+def _data(study: "Study", options: dict[str, Any]) -> int:
     """Show a record alone; return the exit code."""
     from trainer.identify.pages import record as page  # noqa: PLC0415
 
@@ -436,13 +444,13 @@ def _data(study: Any, options: dict[str, Any]) -> int:
     return 0
 
 
-def _armax(study: Any, options: dict[str, Any]) -> int:
+def _armax(study: "Study", options: dict[str, Any]) -> int:
     """Fit ARMAX models and show them; return the exit code."""
     from trainer.identify.pages import armax as page  # noqa: PLC0415
 
     report, orders = page.carry_out(study)
     if options["html"]:
-        from trainer.identify.pages.identify import sheet  # noqa: PLC0415
+        from trainer.identify.sheet import sheet  # noqa: PLC0415
 
         text = sheet(report.study, page.render(report), page.screens(orders), report)
         write_text(options["html"], text)
@@ -450,21 +458,21 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
     return 0
 
 
-def fit_ship(study: Any, options: dict[str, Any]) -> "Identified":
+def fit_ship(study: "Study", asked: "IdentifyOptions") -> "Identified":
     """Return a ship model fitted and what there is to say of it. ConfigError if it cannot be."""
     from trainer.boat import compilation  # noqa: PLC0415
-    from trainer.identify.pages import identify as page  # noqa: PLC0415
+    from trainer.identify.pages.results import carry_out  # noqa: PLC0415
 
     with compilation.announced(FITS, tell, "fits", "identify/kernels"):
-        return page.carry_out(study, options, show_step)
+        return carry_out(study, asked, show_step)
 
 
-def _model(study: Any, options: dict[str, Any]) -> int:
-    """Fit a ship model and show it; return the exit code."""
-    from trainer.identify.outcome import nomoto_text, vessel_text, write_series  # noqa: PLC0415
+def _model(found: "Identified", options: dict[str, Any]) -> int:
+    """Show a ship model that was fitted; return the exit code."""
     from trainer.identify.pages import identify as page  # noqa: PLC0415
+    from trainer.identify.pages.series import write_series  # noqa: PLC0415
+    from trainer.identify.pages.ship_files import nomoto_text, vessel_text  # noqa: PLC0415
 
-    found = fit_ship(study, options)
     report = found.report
     if options["write_nomoto"]:
         write_text(options["write_nomoto"], nomoto_text(found.fitted, report.bend))
@@ -473,7 +481,6 @@ def _model(study: Any, options: dict[str, Any]) -> int:
     if options["csv"]:
         write_series(found.fitted, options["csv"])
     if options["html"]:
-        text = page.sheet(report.study, page.render(report), page.screens(found), report)
-        write_text(options["html"], text)
+        write_text(options["html"], page.sheet(found))
     show(report, page.render, lambda: page.screens(found), options)
     return 0 if report.converged else 1

@@ -228,7 +228,7 @@ def _study() -> dict[str, Any]:
 
 
 def _identification() -> dict[str, Any]:
-    from trainer.identify.study import identification_schema  # noqa: PLC0415
+    from trainer.identify.record.study import identification_schema  # noqa: PLC0415
 
     return identification_schema()
 

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, Final
+from inspect import signature
+from typing import Any, Final, TypeVar
 
 import click
 from click.core import ParameterSource
@@ -11,6 +12,8 @@ from trainer.cli.types import Duration, File, Name, Speed
 from trainer.config.words import EQUATIONS
 from trainer.io.paths import HOST, PAGES, PORT
 from trainer.session.options import RunOptions
+
+Record = TypeVar("Record")
 
 VESSEL_HELP: Final = "bb2, sdv-mk9, remus100, or the path of a vessel file"
 
@@ -346,6 +349,12 @@ def options_given() -> frozenset[str]:
     context = click.get_current_context()
     source = context.get_parameter_source
     return frozenset(name for name in context.params if source(name) is not ParameterSource.DEFAULT)
+
+
+def record_of(kind: type[Record], options: Mapping[str, Any], **further: Any) -> Record:
+    """Return a record of options by their names, and of what is said ``further``."""
+    own = {name: options[name] for name in signature(kind).parameters if name in options}
+    return kind(**own, **further)
 
 
 def without_console(options: RunOptions) -> RunOptions:

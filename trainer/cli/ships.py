@@ -1,12 +1,15 @@
 """Ships that are not linear, for the commands that identify and sail them."""
 
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from trainer.cli.answers import show, show_step, tell, write_text
-from trainer.cli.options import options_given
+from trainer.cli.options import options_given, record_of
+
+if TYPE_CHECKING:
+    from trainer.config.sensors import Sensors
 
 KERNELS: Final = "boat/ship", "identify/kernels"
 FITS: Final = "the kernels of ships, once (some 20 s)"
@@ -57,10 +60,22 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
     from trainer.identify.ships import trials  # noqa: PLC0415
 
     ship = load_ship(path)
-    sensors = trials.sensors_of(ship, options, given)
+    sensors = trials.sensors_of(ship, sensors_asked(options), given)
+    asked = record_of(trials.TrialOptions, options, sensors=sensors)
     with compilation.announced(FITS, tell, "ships", *KERNELS):
-        found = trials.design(ship, {**options, "sensors": sensors})
+        found = trials.design(ship, asked)
     show(found.report, trials.render, lambda: trials.panels(found), options)
+
+
+def sensors_asked(options: dict[str, Any]) -> "Sensors":
+    """Return the instruments of an experiment's options."""
+    from trainer.config.sensors import Sensors  # noqa: PLC0415
+
+    return Sensors(
+        sway_kn=options["sway"],
+        yaw_rate_deg_s=options["yaw_rate"],
+        heading_deg=options["heading"],
+    )
 
 
 def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
@@ -72,19 +87,21 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
     from trainer.boat import compilation  # noqa: PLC0415
     from trainer.config.files import path_named  # noqa: PLC0415
     from trainer.config.ship import ship_text  # noqa: PLC0415
+    from trainer.identify.options import IdentifyOptions  # noqa: PLC0415
     from trainer.identify.ships import page  # noqa: PLC0415
     from trainer.identify.ships.results import fit_trials, read_trials  # noqa: PLC0415
 
     if options["ship"] is not None:
         options = {**options, "ship": path_named(options["ship"], "ships")}
-    ship, trials, held = read_trials(files, options)
+    asked = record_of(IdentifyOptions, options)
+    ship, trials, held = read_trials(files, asked)
     with compilation.announced(FITS, tell, "ships", *KERNELS):
-        found = fit_trials(ship, trials, held, options, show_step)
+        found = fit_trials(ship, trials, held, asked, show_step)
     if options["write_ship"]:
         sources = ", ".join(Path(source).name for source in found.report.sources)
         write_text(options["write_ship"], ship_text(found.ship, f"trainer identify, {sources}"))
     if options["coefficients"]:
-        page.write_coefficients(found.report, options["coefficients"])
+        write_text(options["coefficients"], page.coefficients_text(found.report))
     if options["html"]:
         write_text(options["html"], page.sheet(found))
     show(found.report, page.render, lambda: page.panels(found), options)

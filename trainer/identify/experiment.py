@@ -21,8 +21,8 @@ from trainer.boat.helm import obey
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
-from trainer.identify.measurements import Record
-from trainer.identify.nomoto import Nomoto
+from trainer.identify.model.nomoto import Nomoto
+from trainer.identify.record.measurements import Record
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.orders.schedule import Scheduled
 from trainer.units import KNOT

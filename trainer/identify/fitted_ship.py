@@ -13,22 +13,23 @@ from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, path_named
 from trainer.config.ship import ShipFile, load_ship, ship_text
 from trainer.core.kernel import Numbers
-from trainer.identify import fitting
-from trainer.identify.frames import arrays_of, columns_of, names_of, record_of, scale_of
-from trainer.identify.minimise import unheard
-from trainer.identify.models import UNITS as OUTPUT_UNITS
-from trainer.identify.options import as_asked, study_of
-from trainer.identify.outcome import matrices_of, nomoto_text, series_of, vessel_text
+from trainer.identify.fitting.minimise import unheard
+from trainer.identify.judge import fitted as fitting
+from trainer.identify.judge.validation import alone, other_problem, other_record
+from trainer.identify.model.models import UNITS as OUTPUT_UNITS
+from trainer.identify.options import IdentifyOptions, as_asked, study_of
 from trainer.identify.pages.identify import render, screens
 from trainer.identify.pages.results import Identified, ShipNumber, describe
+from trainer.identify.pages.series import matrices_of, series_of
+from trainer.identify.pages.ship_files import nomoto_text, vessel_text
+from trainer.identify.record.frames import arrays_of, columns_of, names_of, record_of
+from trainer.identify.record.sources import FURTHER_CHANNELS, factor
+from trainer.identify.record.study import Study, observe, plain_study
+from trainer.identify.record.study_records import METHODS, MODELS, NOISES, ParameterRow
 from trainer.identify.ships import page as ships_page
-from trainer.identify.ships.records import FURTHER, OF_ROLL, Trial, load_trial, trial_of
+from trainer.identify.ships.records import OF_ROLL, Trial, load_trial, trial_of
 from trainer.identify.ships.results import Identified as IdentifiedShip
 from trainer.identify.ships.results import fit_trials
-from trainer.identify.sources import factor
-from trainer.identify.study import Study, observe, plain_study
-from trainer.identify.study_records import METHODS, MODELS, NOISES, ParameterRow
-from trainer.identify.validation import alone, other_problem, other_record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,7 +42,6 @@ CHOICES: Final = {
     "method": METHODS,
     "positive_rudder": ("port", "starboard"),
 }
-UNSAID: Final = {"armax": False, "exact": False}
 
 
 class FitOptions(TypedDict, total=False):
@@ -148,12 +148,22 @@ def fit(
 
 def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "FittedShip":
     """Return a linear or Nomoto ship fitted to a record."""
-    options: dict[str, Any] = {**given, **UNSAID, "model": model}
+    asked = {**given, "model": model}
     for name, words in CHOICES.items():
-        if options[name] not in (None, *words):
-            raise ConfigError(f"{name} = {options[name]!r}: must be {' or '.join(words)}")
-    options |= {"knots": given["speed"], "channels": tuple(given["outputs"])}
-    options["vessel"] = given["vessel"] and str(given["vessel"])
+        if asked[name] not in (None, *words):
+            raise ConfigError(f"{name} = {asked[name]!r}: must be {' or '.join(words)}")
+    options = IdentifyOptions(
+        model=model,
+        vessel=str(given["vessel"]) if given["vessel"] else None,
+        length=given["length"],
+        knots=given["speed"],
+        channels=tuple(given["outputs"]),
+        noise=given["noise"],
+        method=given["method"],
+        every=given["every"],
+        begin=given["begin"],
+        end=given["end"],
+    )
     if isinstance(frame, str | Path):
         study, loaded = study_of(Path(frame), options), None
     else:
@@ -185,7 +195,9 @@ def _fit_manoeuvring(
     trials = tuple(_trial_of(each, ship, given, given["every"] or 1) for each in frames)
     if not trials:
         raise ConfigError(f"model {model}: needs a frame")
-    options = {**given, "model": model, "without": ()}
+    options = IdentifyOptions(
+        model=model, begin=given["begin"], end=given["end"], prior_strength=strength
+    )
     return ManoeuvringShip(fit_trials(ship, trials, (), options, lambda *_: None), given, ship)
 
 
@@ -193,9 +205,9 @@ def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Tr
     """Return a record of a ship that is not linear; arrays are what instruments have read."""
     if isinstance(frame, str | Path):
         return load_trial(Path(frame), ship, every)
-    columns = columns_of(frame, given["columns"], given["units"], FURTHER)
+    columns = columns_of(frame, given["columns"], given["units"], FURTHER_CHANNELS)
     taken = arrays_of(frame, columns)
-    further = {name: taken.pop(name) for name in FURTHER if name in taken}
+    further = {name: taken.pop(name) for name in FURTHER_CHANNELS if name in taken}
     return trial_of(record_of(taken, columns), further, replace(ship, sensors=None), every)
 
 
@@ -320,7 +332,7 @@ class FittedShip(_Shown):
         """Return outputs (n, y) of the models by channel, in the user's units."""
         found = {}
         for i, name in enumerate(self._found.report.outputs):
-            own = factor(name, self._units[name]) if name in self._units else 1.0
+            own = factor(name, self._units.get(name))
             found[name] = outputs[:, i] / (OUTPUT_UNITS[name][1] * own)
         return found
 
@@ -406,7 +418,7 @@ class ManoeuvringShip(_Shown):
         sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)
         units, names = self._given["units"], ("speed", "sway", "yaw_rate", "heading", *OF_ROLL)
         found = {
-            name: values / scale_of(name, units.get(name))
+            name: values / factor(name, units.get(name))
             for name, values in zip(names, sailed.T, strict=False)
         }
         return {"t": trial.t, **found}

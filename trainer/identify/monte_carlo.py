@@ -8,21 +8,21 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.sweep.job import COVERED, DEVIATION, Batch, Output, member
+from trainer.analysis.sweep.job import COVERED, DEVIATION, Batch, Output, fly_each
 from trainer.analysis.sweep.records import PARAMETERS, IdentificationTable, Parameter
 from trainer.analysis.sweep.study import Study
 from trainer.config.files import ConfigError, Place, nearest, quote
 from trainer.config.schema import read_record
 from trainer.core.kernel import Numbers
-from trainer.identify.estimate import estimate
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.likelihood import Likelihood
-from trainer.identify.measurements import Samples
-from trainer.identify.minimise import Search
-from trainer.identify.models import MODELS, Plant, Ship
-from trainer.identify.problem import Problem, problem_of
-from trainer.identify.uncertainty import intervals, uncertainty
-from trainer.identify.validation import draw_outputs
+from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.minimise import Search
+from trainer.identify.fitting.problem import Problem, problem_of
+from trainer.identify.judge.uncertainty import intervals, uncertainty
+from trainer.identify.judge.validation import draw_outputs
+from trainer.identify.model.models import MODELS, Plant, Ship
+from trainer.identify.record.measurements import Samples
 from trainer.units import KNOT
 
 
@@ -165,22 +165,10 @@ class Identifying:
 
     def batch(self, first: int, count: int) -> Batch:
         """Return what becomes of ``count`` members from ``first`` on."""
-        draws = self.study.draws
-        drawn, seeds = draws.drawn(first, count), draws.seeds(first, count)
-        outputs = np.full((count, len(self.outputs)), np.nan)
-        troubles: list[str | None] = [None] * count
-        for i in range(count):
-            numbers = member(drawn, i)
-            try:
-                found = self._found(numbers, int(seeds[i]))
-            except ConfigError as wrong:
-                troubles[i] = wrong.problems[0]
-                continue
-            outputs[i] = [found.get(output.name, math.nan) for output in self.outputs]
-        return Batch(np.arange(first, first + count), seeds, drawn, outputs, tuple(troubles))
+        return fly_each(self.study.draws, first, count, len(self.outputs), self._numbers)
 
-    def _found(self, drawn: Mapping[str, Any], seed: int) -> dict[str, float]:
-        """Return what one experiment tells, by output."""
+    def _numbers(self, drawn: Mapping[str, Any], seed: int) -> list[float]:
+        """Return what one experiment tells, by the outputs; ConfigError if it cannot be made."""
         same = not self.study.variables
         problem, truth = self.middle if same else experiment(*rehearsal_of(self.study, drawn))
         run = one_run(problem, truth, seed)
@@ -189,7 +177,7 @@ class Identifying:
         for name, true, value, deviation, (low, high) in each:
             found[name], found[DEVIATION.format(name)] = float(value), float(deviation)
             found[COVERED.format(name)] = float(low <= true <= high)
-        return found
+        return [found.get(output.name, math.nan) for output in self.outputs]
 
 
 def choose_kept(study: Study, every: tuple[Output, ...]) -> tuple[Output, ...]:

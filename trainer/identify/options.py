@@ -1,22 +1,62 @@
-"""A study by the command line: a file's own, or one of a plain record."""
+"""The options of an identification, and the study that they ask for."""
 
 import os
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
 from trainer.config.files import ConfigError, beside, quote
 from trainer.config.vessel import load_vessel
-from trainer.identify.models import MODELS
-from trainer.identify.sources import PLAIN, Column
-from trainer.identify.study import Study, load_study, plain_study
-from trainer.identify.study_records import ArmaxTable, Heading, ModelTable, RunRow, Ship
-from trainer.identify.system_files import load_system
+from trainer.identify.model.models import MODELS
+from trainer.identify.model.system_files import load_system
+from trainer.identify.record.sources import PLAIN, Column
+from trainer.identify.record.study import Study, load_study, plain_study
+from trainer.identify.record.study_records import ArmaxTable, Heading, ModelTable, RunRow, Ship
 
 USUAL: Final = ("sway", "yaw_rate", "heading")
 
 
-def study_of(file: Path, options: dict[str, Any]) -> Study:
+@dataclass(frozen=True, kw_only=True)
+class IdentifyOptions:
+    """A user's wishes beside the study; None is as the study has it.
+
+    ``ship``, ``prior_strength`` and ``predict`` are of ships that are not linear, which know of the
+    others ``model``, ``every``, ``begin``, ``end`` and ``without``.
+    """
+
+    model: str | None = None
+    vessel: str | None = None
+    length: float | None = None  # [m]
+    knots: float | None = None
+    channels: tuple[str, ...] = ()  # outputs that are fitted; () is all that the model has
+    noise: str | None = None
+    method: str | None = None
+    exact: bool = False  # a recording is read without errors of instruments
+    system: Path | None = None  # of the user's own
+    reject: float | None = None  # [-] probability below which a sample is an outlier
+    every: int | None = None
+    begin: float | None = None  # [s]
+    end: float | None = None  # [s]
+    further: tuple[Path, ...] = ()  # records of the same ship
+    simulate: bool = False
+    data_only: bool = False
+    armax: bool = False
+    most: int | None = None  # highest ARMAX order
+    against: str | None = None  # a simpler model
+    without: tuple[str, ...] = ()  # parameters
+    check: Path | None = None  # a record to predict
+    kappa: Path | None = None  # a record of large manoeuvres
+    bech: Path | None = None  # likewise
+    spiral: Path | None = None  # steady turns
+    joint: bool = False
+    matrices: bool = False
+    checkpoint: Path | None = None
+    ship: Path | None = None  # file of its dimensions
+    prior_strength: float = 0.5  # [-] times the width of what books say
+    predict: tuple[Path, ...] = ()  # records held back
+
+
+def study_of(file: Path, options: IdentifyOptions) -> Study:
     """Return the study of a file, changed as the options say; ConfigError."""
     if file.suffix == ".toml":
         return as_asked(load_study(file), options)
@@ -25,17 +65,17 @@ def study_of(file: Path, options: dict[str, Any]) -> Study:
     return as_asked(plain_study(file), options)
 
 
-def as_asked(study: Study, options: dict[str, Any]) -> Study:
+def as_asked(study: Study, options: IdentifyOptions) -> Study:
     """Return the study, changed as ``trainer identify``'s options say; ConfigError if wrong."""
     study = replace(study, heading=_heading(study.heading, options))
-    further = tuple(_run(study, path) for path in options.get("further", ()))
+    further = tuple(_run(study, path) for path in options.further)
     study = _with_system(replace(study, runs=(*study.runs, *further)), options)
-    if options["exact"]:
+    if options.exact:
         study = replace(study, sensors=None)
     ship = _ship(study, options)
-    if options["armax"]:
+    if options.armax:
         return replace(study, ship=ship, armax=_armax(study, options))
-    if options.get("data_only"):
+    if options.data_only:
         return study
     return replace(study, ship=ship, model=_model(study, options))
 
@@ -47,14 +87,14 @@ def _run(study: Study, path: Path) -> RunRow:
     return RunRow(data=os.path.relpath(path, study.path.parent))
 
 
-def _with_system(study: Study, options: dict[str, Any]) -> Study:
+def _with_system(study: Study, options: IdentifyOptions) -> Study:
     """Return the study with the system of the user's own that it or an option names.
 
     A program is run only where the option names it: a study may come from anybody.
     """
-    named: Path | None = options.get("system")
+    named = options.system
     file = study.model.file if study.model and study.model.kind == "own" else None
-    if named is None and (file is None or options["model"]):
+    if named is None and (file is None or options.model):
         return study
     path = named or study.path.parent / str(file)
     if path.suffix == ".py" and named is None:
@@ -71,33 +111,33 @@ def _with_system(study: Study, options: dict[str, Any]) -> Study:
     return replace(study, system=system, columns={**times, **plain}, sensors=None)
 
 
-def _heading(heading: Heading, options: dict[str, Any]) -> Heading:
+def _heading(heading: Heading, options: IdentifyOptions) -> Heading:
     """Return the heading with the part of the record that is asked for."""
-    given = {"every": options["every"], "from_s": options["begin"], "to_s": options["end"]}
+    given: dict[str, Any] = {"every": options.every, "from_s": options.begin, "to_s": options.end}
     return replace(heading, **{key: value for key, value in given.items() if value is not None})
 
 
-def _ship(study: Study, options: dict[str, Any]) -> Ship | None:
+def _ship(study: Study, options: IdentifyOptions) -> Ship | None:
     """Return the ship; None if neither study nor options tell of one."""
-    vessel, length, knots = options["vessel"], options["length"], options["knots"]
+    vessel, length, knots = options.vessel, options.length, options.knots
     ship = study.ship
     if vessel is None and ship is not None and ship.vessel is not None:
         vessel = beside(study.path, ship.vessel)
-    if vessel is not None and length is None and (ship is None or options["vessel"] is not None):
+    if vessel is not None and length is None and (ship is None or options.vessel is not None):
         length = load_vessel(vessel).hull.length
     if ship is None and length is None:
         return None
-    given = {"vessel": vessel, "length_m": length, "speed_kn": knots}
+    given: dict[str, Any] = {"vessel": vessel, "length_m": length, "speed_kn": knots}
     told = {key: value for key, value in given.items() if value is not None}
     return replace(ship, **told) if ship is not None else Ship(**told)
 
 
-def _model(study: Study, options: dict[str, Any]) -> ModelTable:
+def _model(study: Study, options: IdentifyOptions) -> ModelTable:
     """Return the model; ConfigError if none is said."""
     if study.system is not None:
         base = study.model or ModelTable(kind="own")
         return replace(base, kind="own", outputs=study.system.outputs, **_fitting(options))
-    kind: str = options["model"] or (study.model.kind if study.model else "")
+    kind: str = options.model or (study.model.kind if study.model else "")
     if not kind:
         raise ConfigError(
             f"{study.path.name}: lacks [model]: say --model 1, 2, 3, nomoto1 or nomoto2; "
@@ -108,7 +148,7 @@ def _model(study: Study, options: dict[str, Any]) -> ModelTable:
             f"model {kind}: is fitted by the command: trainer identify RECORD --model {kind} "
             "--ship FILE, or trainer.identify.fit"
         )
-    outputs = tuple(options["channels"]) or (study.model.outputs if study.model else ())
+    outputs = options.channels or (study.model.outputs if study.model else ())
     outputs = outputs or tuple(name for name in USUAL if name in study.channels)
     kept = tuple(name for name in outputs if name in MODELS[kind].outputs)
     if not kept:
@@ -117,16 +157,16 @@ def _model(study: Study, options: dict[str, Any]) -> ModelTable:
     return replace(base, kind=kind, outputs=kept, **_fitting(options))
 
 
-def _fitting(options: dict[str, Any]) -> dict[str, Any]:
+def _fitting(options: IdentifyOptions) -> dict[str, Any]:
     """Return what options say of how to fit."""
-    names = ("noise", "method", "reject")
-    return {name: options[name] for name in names if options.get(name) is not None}
+    given = {"noise": options.noise, "method": options.method, "reject": options.reject}
+    return {name: value for name, value in given.items() if value is not None}
 
 
-def _armax(study: Study, options: dict[str, Any]) -> ArmaxTable:
+def _armax(study: Study, options: IdentifyOptions) -> ArmaxTable:
     """Return the ARMAX table."""
-    channels = options["channels"]
+    channels = options.channels
     base = study.armax or ArmaxTable(output=channels[0] if channels else "yaw_rate")
     if channels:
         base = replace(base, output=channels[0])
-    return base if options["most"] is None else replace(base, most=float(options["most"]))
+    return base if options.most is None else replace(base, most=float(options.most))

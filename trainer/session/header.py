@@ -216,19 +216,19 @@ def _part(header: Mapping[str, str], name: str) -> Any:
     return found
 
 
-def _check_options(options: Mapping[str, Any]) -> None:
+def _check_options(recorded: Mapping[str, Any]) -> None:
     """Check that they are all there and of their kind; ConfigError naming the first that is not."""
     for name, kind in {**OPTIONS, "given": list}.items():
-        if name not in options:
+        if name not in recorded:
             raise ConfigError(f"recording: its header has no option {name}")
-        if not isinstance(options[name], kind) or isinstance(options[name], bool):
-            wrong = quote(options[name])
+        if not isinstance(recorded[name], kind) or isinstance(recorded[name], bool):
+            wrong = quote(recorded[name])
             raise ConfigError(f"recording: option {name} = {wrong}: is of another kind")
-        if isinstance(options[name], int | float) and not abs(options[name]) <= LARGEST:
-            wrong = quote(options[name])
+        if isinstance(recorded[name], int | float) and not abs(recorded[name]) <= LARGEST:
+            wrong = quote(recorded[name])
             raise ConfigError(f"recording: option {name} = {wrong}: must be {LARGEST:g} at most")
-    if not _are_texts(options["given"]):
-        raise ConfigError(f"recording: option given = {quote(options['given'])}: must be names")
+    if not _are_texts(recorded["given"]):
+        raise ConfigError(f"recording: option given = {quote(recorded['given'])}: must be names")
 
 
 def _other_program(header: Mapping[str, str]) -> Iterator[str]:

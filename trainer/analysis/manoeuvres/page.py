@@ -1,16 +1,14 @@
 """A manoeuvre flown for the command line: its report, page, plot and CSV file."""
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from trainer.analysis.compare import unit
 from trainer.analysis.manoeuvres.catalogue import (
-    PARAMETERS,
     Parameters,
     adjust,
     format_parameters,
@@ -50,34 +48,48 @@ class Report:
     notices: tuple[str, ...] = ()  # depths passed and the surface broken, of a boat at a depth
 
 
-def fly_boat(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[Report, Flight]:
-    """Return report and flight of the manoeuvre of that name; ``options`` are the command's."""
-    runge_kutta = options["integrator"] in RUNGE_KUTTAS
+@dataclass(frozen=True, kw_only=True)
+class ManoeuvreOptions:
+    """A user's wishes for a manoeuvre; None is the vehicle's own.
+
+    ``parameters`` are by the names of PARAMETERS. From ``equations`` on it is of boats alone.
+    """
+
+    speed: float | None = None  # [kn]
+    step: float | None = None  # [s]
+    parameters: Parameters = field(default_factory=dict)
+    equations: str = "full"
+    rates: str | None = None
+    trig: str = "exact"
+    integrator: str = "adams2"
+    rig: Rig = field(default_factory=Rig)
+
+
+def fly_boat(file: VesselFile, name: str, options: ManoeuvreOptions) -> tuple[Report, Flight]:
+    """Return report and flight of the manoeuvre of that name."""
+    runge_kutta = options.integrator in RUNGE_KUTTAS
     method = Method(
-        options["equations"],
-        options["rates"] or ("exact" if runge_kutta else "lagged"),
-        options["trig"],
-        options["integrator"],
-        options["step"] or file.run.step_s,
+        options.equations,
+        options.rates or ("exact" if runge_kutta else "lagged"),
+        options.trig,
+        options.integrator,
+        options.step or file.run.step_s,
     )
-    handling = options["controls"], options["trim"], options["law"]
-    rig = Rig(*handling, options["depth"], options["sea"] or CALM, options["seed"])
-    boat = Submarine(file, method, rig)
+    boat = Submarine(file, method, options.rig)
     report, flight = fly_vehicle(boat, name, options, file.run.start_speed_kn)
     notices = boat.notices(flight.series.columns)
-    return replace(report, method=method, rig=rig, notices=notices), flight
+    return replace(report, method=method, rig=options.rig, notices=notices), flight
 
 
 def fly_vehicle(
-    vehicle: Vehicle, name: str, options: Mapping[str, Any], usual: float
+    vehicle: Vehicle, name: str, options: ManoeuvreOptions, usual: float
 ) -> tuple[Report, Flight]:
     """Return report and flight of the manoeuvre of that name by any vehicle.
 
-    It begins at ``usual`` [kn] unless ``options``, the command's, have another speed.
+    It begins at ``usual`` [kn] unless ``options`` have another speed.
     """
-    given = {key: options[key] for key in PARAMETERS if options[key] is not None}
-    manoeuvre = adjust(name, vehicle, given)
-    flight = fly(vehicle, manoeuvre, _speed(manoeuvre, options["speed"], usual) * KNOT)
+    manoeuvre = adjust(name, vehicle, options.parameters)
+    flight = fly(vehicle, manoeuvre, _speed(manoeuvre, options.speed, usual) * KNOT)
     report = Report(
         vessel=vehicle.name,
         manoeuvre=name,

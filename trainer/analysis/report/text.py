@@ -18,6 +18,11 @@ def wrap(text: str, first: str = INDENT, rest: str = 2 * INDENT) -> list[str]:
     return textwrap.wrap(plain(text), WIDTH, initial_indent=first, subsequent_indent=rest)
 
 
+def items(texts: Iterable[str]) -> list[str]:
+    """Return a list of texts in lines of the page, each after a dash."""
+    return [line for text in texts for line in wrap(f"- {text}")]
+
+
 def figure(number: float | None, form: str = ".3f") -> str:
     """Return ``number`` as text, '-' for none."""
     return "-" if number is None else format(number, form)

@@ -5,22 +5,22 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.analysis.report.plots import Screen
-from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
+from trainer.analysis.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.config.files import ConfigError
-from trainer.identify.armax import (
+from trainer.identify.fitting.armax import (
     FirstOrder,
-    Orders,
     detrend,
     remove_delay,
     rounding_poles,
-    try_orders,
     without_wind,
 )
-from trainer.identify.measurements import check_count, samples_of
-from trainer.identify.models import UNITS
-from trainer.identify.pages.identify import correlation_panels, residual_table, screens_of
-from trainer.identify.residuals import Residuals, verdicts
-from trainer.identify.study import Study, observe
+from trainer.identify.judge.orders import Orders, try_orders
+from trainer.identify.judge.residuals import Residuals, verdicts
+from trainer.identify.model.models import UNITS
+from trainer.identify.pages.identify import correlation_panels, residual_table
+from trainer.identify.record.measurements import check_count, samples_of
+from trainer.identify.record.study import Study, observe
+from trainer.identify.sheet import screens_of
 
 MOST: Final = 4  # orders
 LAGS: Final = 10
@@ -95,13 +95,7 @@ def carry_out(study: Study) -> tuple[Report, Orders]:
     y, u = remove_delay(
         detrend(samples.outputs[:, 0], how), detrend(samples.inputs[:, 0], how), dead
     )
-    orders = try_orders(
-        y,
-        u,
-        most,
-        initial=initial,
-        lags=int(asked.lags or LAGS),
-    )
+    orders = try_orders(y, u, most, initial=initial, lags=int(asked.lags or LAGS))
     report = Report(
         study=study.heading.name,
         source=record.source,
@@ -172,7 +166,7 @@ def render(report: Report) -> str:
         f"{INDENT}removed: {report.removed}; dead time {report.dead_time} samples",
     ]
     if report.findings:
-        lines += ["", *(line for text in report.findings for line in wrap(f"- {text}"))]
+        lines += ["", *items(report.findings)]
     rows = [
         (
             str(row.order),
@@ -200,7 +194,7 @@ def render(report: Report) -> str:
         ship = report.first_order
         lines += ["", f"{INDENT}Order 2 without wind: K {ship.K:.4g} 1/s, T {ship.T:.4g} s"]
     lines += ["", *residual_table((chosen.residuals,))]
-    lines += [line for text in report.verdicts for line in wrap(f"- {text}")]
+    lines += items(report.verdicts)
     return "\n".join(lines)
 
 
@@ -215,9 +209,10 @@ def _root_lines(row: Row) -> list[str]:
     """Return poles and zeros in the z plane."""
     lines = wrap(f"Poles {_roots(row.poles)}", INDENT, 2 * INDENT)
     lines += wrap(f"Zeros {_roots(row.zeros)}", INDENT, 2 * INDENT)
-    for pole, zero in row.rounding:
-        text = f"the pole {pole:.2f} beside the zero {zero:.2f} is of rounded readings, not a ship"
-        lines += wrap(f"- {text}")
+    lines += items(
+        f"the pole {pole:.2f} beside the zero {zero:.2f} is of rounded readings, not a ship"
+        for pole, zero in row.rounding
+    )
     if row.inseparable:
         lines += wrap(f"- the record cannot separate {', '.join(row.inseparable)}")
     return lines

@@ -7,7 +7,7 @@ import numpy as np
 
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import INDENT, cut, figure, table
-from trainer.identify.decca_study import Sailed
+from trainer.identify.record.decca_study import Sailed
 from trainer.units import KNOT
 
 SHOWN: Final = 20  # rows

@@ -7,11 +7,9 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
+from trainer.analysis.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
-from trainer.identify.derived import QUANTITIES
-from trainer.identify.design import Prospect, Reading, prospect
 from trainer.identify.experiment import (
     LEAD,
     Sequence,
@@ -27,9 +25,11 @@ from trainer.identify.experiment import (
     zigzag_orders,
     zigzag_told,
 )
-from trainer.identify.measurements import Record
-from trainer.identify.nomoto import Nomoto
-from trainer.identify.steering import steering
+from trainer.identify.judge.design import Prospect, Reading, prospect
+from trainer.identify.model.derived import QUANTITIES
+from trainer.identify.model.nomoto import Nomoto
+from trainer.identify.model.steering import steering
+from trainer.identify.record.measurements import Record
 from trainer.units import KNOT
 
 UNMOVED: Final = ("T_imag",)  # shown with T1 if it is not zero
@@ -56,6 +56,28 @@ class Report:
     prospect: Prospect
 
 
+@dataclass(frozen=True, kw_only=True)
+class ExperimentOptions:
+    """A user's wishes for an experiment; None is what suits the boat."""
+
+    vessel: str  # its name or path, for the exercise
+    speed_kn: float | None = None
+    depth: float | None = None  # [m]
+    zigzag: tuple[float, float] | None = None  # [deg] helm and heading, in place of a sequence
+    seconds: float = 600.0  # of a zig-zag
+    interval: float | None = None  # [s] between samples
+    amplitude: float = 5.0  # [deg]
+    hold: float | None = None  # [s] of a bit
+    bits: int | None = None  # of the register
+    periods: int = 1
+    by: str = "rudder"
+    seed: int = 1
+    outputs: tuple[str, ...] = ()
+    sensors: Sensors
+    unrest: float = 0.02  # [deg/s] rms, of the sea alone
+    sea: str | None = None
+
+
 @dataclass(frozen=True)
 class Design:
     """A report, the boat's record in a calm, and the exercise that makes it."""
@@ -65,30 +87,26 @@ class Design:
     exercise: str
 
 
-def design(file: VesselFile, options: dict[str, Any]) -> Design:
-    """Return the experiment that the options of ``trainer prbs`` ask for.
+def design(file: VesselFile, options: ExperimentOptions) -> Design:
+    """Return the experiment that is asked for.
 
     ConfigError if the boat cannot fly it or it would tell nothing.
     """
-    speed_kn = options["speed"] or file.run.start_speed_kn
+    speed_kn = options.speed_kn or file.run.start_speed_kn
     speed, step = speed_kn * KNOT, file.run.step_s
     ship = steering(file, speed)
-    interval = options["interval"] or suggest_interval(ship.nomoto, step)
-    depth = options["depth"] or file.run.start_depth_m
-    if options["zigzag"]:
-        kind, orders, seconds, told = _zigzag(file, speed, options)
+    interval = options.interval or suggest_interval(ship.nomoto, step)
+    depth = options.depth or file.run.start_depth_m
+    if options.zigzag:
+        kind, orders, seconds, told = _zigzag(file, speed, options.zigzag, options.seconds)
     else:
         kind, orders, seconds, told = _sequence(ship.nomoto, interval, options)
     flight = fly_trial(file, schedule_orders(orders), speed, depth, seconds)
     record = flight.every(max(1, round(interval / step)))
-    sensors = Sensors(
-        sway_kn=options["sway"],
-        yaw_rate_deg_s=options["yaw_rate"],
-        heading_deg=options["heading"],
-    )
-    outputs = tuple(options["outputs"]) or ("sway", "yaw_rate", "heading")
-    place = {"vessel": options["vessel"], "speed_kn": speed_kn, "depth_m": depth}
-    place |= {"duration_s": seconds} | ({"sea": options["sea"]} if options["sea"] else {})
+    outputs = options.outputs or ("sway", "yaw_rate", "heading")
+    place: dict[str, str | float] = {"vessel": options.vessel, "speed_kn": speed_kn}
+    place |= {"depth_m": depth, "duration_s": seconds}
+    place |= {"sea": options.sea} if options.sea else {}
     exercise = exercise_text(orders, f"{kind} for identification at {speed_kn:g} kn", place)
     report = Report(
         vessel=file.name,
@@ -100,7 +118,7 @@ def design(file: VesselFile, options: dict[str, Any]) -> Design:
         largest_rate_deg_s=_largest(flight.yaw_rate),
         lowest_speed_kn=float(np.min(flight.column("speed"))) / KNOT,
         outputs=outputs,
-        prospect=prospect(ship, record, outputs, Reading(sensors, options["unrest"])),
+        prospect=prospect(ship, record, outputs, Reading(options.sensors, options.unrest)),
         **told,
     )
     return Design(report, flight, exercise)
@@ -111,26 +129,26 @@ def _largest(values: Any) -> float:
     return math.degrees(float(np.max(np.abs(values))))
 
 
-def _sequence(ship: Nomoto, interval: float, options: dict[str, Any]) -> Any:
+def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
     """Return kind, orders, duration [s] and what is told of a binary sequence."""
-    hold = options["hold"] or suggest_hold(ship, interval)
+    hold = options.hold or suggest_hold(ship, interval)
     sequence = Sequence(
-        bits=options["bits"] or suggest_bits(ship, hold),
-        amplitude_deg=options["amplitude"],
+        bits=options.bits or suggest_bits(ship, hold),
+        amplitude_deg=options.amplitude,
         hold_s=hold,
-        periods=options["periods"],
-        by=options["by"],
-        seed=options["seed"],
+        periods=options.periods,
+        by=options.by,
+        seed=options.seed,
     )
     warned = tuple(remarks(sequence, ship, interval))
     told = {"settings": asdict(sequence), "remarks": warned, **asdict(ZigZagTold())}
     return "PRBS", sequence.orders(), sequence.seconds, told
 
 
-def _zigzag(file: VesselFile, speed: float, options: dict[str, Any]) -> Any:
-    """Return kind, orders, duration [s] and what is told of a zig-zag."""
-    helm, execute = options["zigzag"]
-    flight = zigzag_flight(file, speed, (helm, execute), options["seconds"])
+def _zigzag(file: VesselFile, speed: float, angles: tuple[float, float], most: float) -> Any:
+    """Return kind, orders, duration [s] and what is told of a zig-zag of ``most`` seconds."""
+    helm, execute = angles
+    flight = zigzag_flight(file, speed, angles, most)
     orders = zigzag_orders(flight, helm)
     told = {
         "settings": {"helm_deg": helm, "execute_deg": execute},
@@ -143,13 +161,16 @@ def _zigzag(file: VesselFile, speed: float, options: dict[str, Any]) -> Any:
 def render(report: Report) -> str:
     """Return the report as text."""
     settings = ", ".join(f"{name} {_word(value)}" for name, value in report.settings.items())
+    pace = (
+        f"turns at {report.largest_rate_deg_s:.2f} deg/s and slows to {report.lowest_speed_kn:.1f}"
+    )
     lines = [
         f"RUDDER EXPERIMENT: {report.kind}",
         f"{INDENT}{cut(report.vessel, 70)}, {report.speed_kn:g} kn",
         *wrap(settings, INDENT, INDENT),
         f"{INDENT}{report.seconds:g} s, {len(report.orders)} orders",
         "",
-        f"{INDENT}In a calm the ship swings {report.largest_heading_deg:.0f} deg, {_pace(report)}.",
+        f"{INDENT}In a calm the ship swings {report.largest_heading_deg:.0f} deg, {pace} kn.",
     ]
     if report.overshoots_deg:
         overshoots = ", ".join(f"{one:.1f}" for one in report.overshoots_deg)
@@ -173,13 +194,8 @@ def render(report: Report) -> str:
     ]
     lines += table(("quantity", "unit", "value", "std dev", "%"), rows)
     if report.remarks:
-        lines += ["", *(line for one in report.remarks for line in wrap(f"- {one}"))]
+        lines += ["", *items(report.remarks)]
     return "\n".join(lines)
-
-
-def _pace(report: Report) -> str:
-    rate, speed = report.largest_rate_deg_s, report.lowest_speed_kn
-    return f"turns at {rate:.2f} deg/s and slows to {speed:.1f} kn"
 
 
 def _word(value: object) -> str:

@@ -1,32 +1,29 @@
 """A fitted ship as a page for a terminal, as plots, and as screens."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict
-from typing import Any, Final
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final
 
 import numpy as np
 from markupsafe import Markup
 
 from trainer.analysis.report import html
-from trainer.analysis.report.panels import draw, legend
 from trainer.analysis.report.plots import Curve, Panel, Screen
-from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
+from trainer.analysis.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.core.kernel import Numbers
-from trainer.identify.alternatives import Band, Rival, pulse_of, step_of
-from trainer.identify.models import UNITS
-from trainer.identify.nomoto import scale
-from trainer.identify.nonlinear import predict
-from trainer.identify.outcome import LARGE, Matrices, errors_of
-from trainer.identify.pages.results import Direction, Estimate, Identified, Report, carry_out
-from trainer.identify.residuals import Residuals
-from trainer.identify.validation import alone
+from trainer.identify import sheet as sheets
+from trainer.identify.fitting.nonlinear import predict
+from trainer.identify.judge.allowed import Band, pulse_of, step_of
+from trainer.identify.judge.residuals import Residuals
+from trainer.identify.judge.validation import Check, alone
+from trainer.identify.model.models import UNITS
+from trainer.identify.model.nomoto import scale
+from trainer.identify.pages.results import Direction, Estimate, Identified, Report
+from trainer.identify.pages.series import LARGE, Matrices, errors_of
+from trainer.identify.sheet import listing, screens_of
 from trainer.units import DEGREE, KNOT
-
-__all__ = ["carry_out", "render", "screens", "sheet"]
 
 BAND: Final = 1.96  # standard deviations
 SHOWN: Final = 10  # outliers that a page lists
-MOST: Final = 4  # panels that a screen has
 MATRICES: Final = "Matrices"
 FREQUENCIES: Final = 80  # of a Bode figure
 BEND_UNITS: Final = {"T1": "s", "T2": "s", "T3": "s", "K": "1/s", "kappa": "s^2"} | {
@@ -39,16 +36,17 @@ BEND_UNITS: Final = {"T1": "s", "T2": "s", "T3": "s", "K": "1/s", "kappa": "s^2"
 
 def render(report: Report) -> str:
     """Return the report as text."""
+    samples = f"{report.samples} samples every {report.interval_s:g} s"
     lines = [
         f"IDENTIFICATION, model {report.model} (LISPID)",
         f"{INDENT}{cut(report.study, 70)}",
         f"{INDENT}{cut(report.source, 75)}",
-        f"{INDENT}{_ship(report)}{_samples(report)}",
+        f"{INDENT}{_ship(report)}{samples} of {', '.join(report.outputs)}",
         f"{INDENT}" + ", ".join(f"{name} {value}" for name, value in report.settings.items()),
     ]
     if report.findings:
         lines += ["", f"{INDENT}The record:"]
-        lines += [line for text in report.findings for line in wrap(f"- {text}")]
+        lines += items(report.findings)
     lines += ["", *_parameter_table(report), "", *_ship_table(report)]
     what = "ship" if report.length_m else "system"
     lines += ["", f"{INDENT}The {what} is {report.stability}."]
@@ -61,9 +59,9 @@ def render(report: Report) -> str:
         lines += ["", *rival_table(report)]
     if report.residuals:
         lines += ["", *residual_table(report.residuals)]
-        lines += [line for text in report.verdicts for line in wrap(f"- {text}")]
+        lines += items(report.verdicts)
     if report.check is not None:
-        lines += ["", *_check_lines(report)]
+        lines += ["", *_check_lines(report.check, report.units)]
     lines += _bend_lines(report)
     if report.terms:
         lines += ["", *_term_table(report)]
@@ -141,11 +139,6 @@ def _run_table(report: Report) -> list[str]:
     ahead, left = "rms error\none ahead", "\nalone"
     heads = ("run", "kn", "samples", "output", "unit", ahead, left, "% variance\nexplained")
     return table(heads, rows)
-
-
-def _samples(report: Report) -> str:
-    outputs = ", ".join(report.outputs)
-    return f"{report.samples} samples every {report.interval_s:g} s of {outputs}"
 
 
 def _parameter_table(report: Report) -> list[str]:
@@ -227,14 +220,13 @@ def _outliers(report: Report) -> str:
 def rival_table(report: Report) -> list[str]:
     """Return the model beside the simpler ones that it was tested against."""
     count = len(report.parameters)
-    own = ("this", str(count), f"{report.log_likelihood:.2f}", f"{report.aic:.2f}", "", "", "")
+    rows = [("this", str(count), f"{report.log_likelihood:.2f}", f"{report.aic:.2f}", "", "", "")]
+    for one in report.rivals:
+        fit = (str(one.parameters), f"{one.log_likelihood:.2f}", f"{one.aic:.2f}")
+        test = (f"{one.ratio:.2f}", str(one.freedom), f"{one.probability:.3f}")
+        rows.append((one.name, *fit, *test))
     heads = ("order\ntests", "parameters", "log L", "AIC", "ratio", "freedom", "p")
-    return table(heads, [own, *(_rival_row(one) for one in report.rivals)])
-
-
-def _rival_row(one: Rival) -> tuple[str, ...]:
-    fit = (str(one.parameters), f"{one.log_likelihood:.2f}", f"{one.aic:.2f}")
-    return (one.name, *fit, f"{one.ratio:.2f}", str(one.freedom), f"{one.probability:.3f}")
+    return table(heads, rows)
 
 
 def residual_table(residuals: tuple[Residuals, ...]) -> list[str]:
@@ -260,15 +252,13 @@ def _sign_changes(one: Residuals) -> str:
     return f"{one.sign_changes} of {usual}"
 
 
-def _check_lines(report: Report) -> list[str]:
-    check = report.check
-    if check is None:
-        return []
+def _check_lines(check: Check, units: tuple[str, ...]) -> list[str]:
+    """Return how well another record is predicted."""
     rows = [
         (name, unit, f"{rms:.4g}", *(f"{100.0 * one:.1f}" for one in shares))
         for name, unit, rms, *shares in zip(
             check.outputs,
-            report.units,
+            units,
             check.rms,
             check.share,
             check.own,
@@ -295,17 +285,6 @@ def screens(identified: Identified) -> tuple[Screen, ...]:
         found[name] = _responses(identified, title, shape(identified.fitted))
     found |= {"Bode": _bode(identified), "Terms": _terms(identified)}
     return screens_of(found | {"Large manoeuvre": _large(identified)})
-
-
-def screens_of(groups: Mapping[str, Iterable[Panel]]) -> tuple[Screen, ...]:
-    """Return groups of panels as screens, those of many panels as several."""
-    found = []
-    for title, group in groups.items():
-        panels = tuple(group)
-        pieces = [panels[i : i + MOST] for i in range(0, len(panels), MOST)]
-        names = [title] if len(pieces) == 1 else [f"{title} {i}" for i in range(1, len(pieces) + 1)]
-        found += [Screen(name, piece) for name, piece in zip(names, pieces, strict=True)]
-    return tuple(found)
 
 
 def _record(identified: Identified, number: int = 0) -> Iterator[Panel]:
@@ -417,58 +396,29 @@ def _large(identified: Identified) -> Iterator[Panel]:
 
 def correlation_panels(residuals: tuple[Residuals, ...]) -> tuple[Panel, ...]:
     """Return the residuals' own correlations, then those with the rudder."""
-    found, crossed = [], []
-    for one in residuals:
-        own = np.array(one.correlation)
-        lags = np.arange(len(own), dtype=float)
-        curve = (Curve(one.output, lags, own, points=True),)
-        title = f"correlation of the residuals of {one.output}"
-        found.append(Panel(title, "lag [samples]", "[-]", curve, levels=(-one.band, one.band)))
-        cross = np.array(one.cross)
-        lags = np.arange(len(cross), dtype=float) - len(cross) // 2
-        curve = (Curve(one.output, lags, cross, points=True),)
-        title = f"rudder with the residuals of {one.output}"
-        levels = (-one.cross_band, one.cross_band)
-        crossed.append(Panel(title, "lag [samples]", "[-]", curve, levels=levels))
-    return (*found, *crossed)
 
+    def panel(title: str, output: str, values: Sequence[float], first: int, band: float) -> Panel:
+        lags = np.arange(len(values), dtype=float) + first
+        curve = (Curve(output, lags, np.array(values), points=True),)
+        return Panel(f"{title} {output}", "lag [samples]", "[-]", curve, levels=(-band, band))
 
-def sheet(title: str, text: str, screens: Iterable[Screen], report: Any) -> str:
-    """Return the page: ``text`` as the terminal has it, ``screens`` drawn, ``report`` as JSON.
-
-    It needs no other file. The same report gives the same bytes.
-    """
-    heading, _, rest = text.partition("\n")
-    rest, *matrices = rest.split(f"\n\n{INDENT}{MATRICES}, ")
-    parts = [("Numbers", _listing(rest))]
-    for screen in screens:
-        drawn = html.charts(map(_figure, screen.panels))
-        rows = Markup('<div class="rows{}">{}</div>').format((len(screen.panels) + 1) // 2, drawn)
-        parts.append((screen.title, rows))
-    parts += [(f"{MATRICES} {i}", _listing(words)) for i, words in enumerate(matrices, 1)]
-    directions = getattr(report, "eigenvalues", ())
-    if directions:
-        parts.append(("Known least", _directions(directions)))
-    return html.page(
-        "identified.html",
-        "guide.css",
-        title=title,
-        heading=heading,
-        screens=parts,
-        data=html.embed(asdict(report)),
+    own, crossed = "correlation of the residuals of", "rudder with the residuals of"
+    return (
+        *(panel(own, one.output, one.correlation, 0, one.band) for one in residuals),
+        *(
+            panel(crossed, one.output, one.cross, -(len(one.cross) // 2), one.cross_band)
+            for one in residuals
+        ),
     )
 
 
-def _listing(text: str) -> Markup:
-    """Return text as the terminal has it, in columns where there is room; no table is parted."""
-    blocks = Markup("\n").join(map(Markup("<pre>{}</pre>").format, text.split("\n\n")))
-    return Markup('<div class="listing">\n{}\n</div>\n').format(blocks)
-
-
-def _figure(panel: Panel) -> Markup:
-    """Return a panel with its title and what its curves mean."""
-    caption = Markup("<figcaption>{}</figcaption>").format(panel.title)
-    return Markup("<figure>{}{}{}</figure>").format(caption, draw(panel), legend(panel.curves))
+def sheet(found: Identified) -> str:
+    """Return the page of HTML; it needs no other file."""
+    report = found.report
+    text, *matrices = render(report).split(f"\n\n{INDENT}{MATRICES}, ")
+    further = [(f"{MATRICES} {i}", listing(words)) for i, words in enumerate(matrices, 1)]
+    further.append(("Known least", _directions(report.eigenvalues)))
+    return sheets.sheet(report.study, text, screens(found), report, further)
 
 
 def _directions(directions: tuple[Direction, ...]) -> Markup:

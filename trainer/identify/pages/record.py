@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from trainer.analysis.report.plots import Curve, Panel, Screen
-from trainer.analysis.report.text import INDENT, cut, table, wrap
+from trainer.analysis.report.text import INDENT, cut, items, table
 from trainer.core.kernel import Numbers
-from trainer.identify.measurements import CHANNELS, Record
-from trainer.identify.models import UNITS
-from trainer.identify.pages.identify import screens_of
-from trainer.identify.study import Observed, Study, observe, studies_of
+from trainer.identify.model.models import UNITS
+from trainer.identify.record.measurements import CHANNELS, Record
+from trainer.identify.record.study import Observed, Study, observe, studies_of
+from trainer.identify.sheet import screens_of
 from trainer.units import DEGREE, KNOT
 
 
@@ -106,7 +106,7 @@ def render(report: Report) -> str:
         span = f"{run.samples} samples every {run.interval_s:g} s"
         lines += ["", f"{INDENT}{cut(run.source, 75)}"]
         lines += [f"{INDENT}{span}, from {run.begin_s:g} s to {run.end_s:g} s"]
-        lines += [line for text in run.findings for line in wrap(f"- {text}")]
+        lines += items(run.findings)
         rows = []
         for one in run.channels:
             sizes = (one.mean, one.deviation, one.least, one.largest)

@@ -11,13 +11,25 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
-from trainer.identify.alternatives import PAIRED, Allowed, Rival, draw_allowed, rivals_of
-from trainer.identify.derived import DERIVATIVES, quantity_units
-from trainer.identify.fitting import Fitted, fit, settings, simulate, table_of
-from trainer.identify.measurements import Record
-from trainer.identify.minimise import Found
-from trainer.identify.nonlinear import Bend
-from trainer.identify.outcome import (
+from trainer.identify.fitting.minimise import Found
+from trainer.identify.fitting.nonlinear import Bend
+from trainer.identify.fitting.prediction_error import MultiStep, Shown, loss_1
+from trainer.identify.fitting.problem import Problem
+from trainer.identify.fitting.study_problem import settings, table_of
+from trainer.identify.judge.allowed import PAIRED, Allowed, draw_allowed
+from trainer.identify.judge.fitted import Fitted, fit, simulate
+from trainer.identify.judge.residuals import (
+    Residuals,
+    aic_of_likelihood,
+    examine_residuals,
+    verdicts,
+)
+from trainer.identify.judge.rivals import Rival, rivals_of
+from trainer.identify.judge.uncertainty import intervals
+from trainer.identify.judge.validation import Check, alone, bend_of, check_of
+from trainer.identify.model.derived import DERIVATIVES, quantity_units
+from trainer.identify.options import IdentifyOptions
+from trainer.identify.pages.series import (
     Matrices,
     Series,
     Term,
@@ -27,13 +39,9 @@ from trainer.identify.outcome import (
     sizes_of,
     terms_of,
 )
-from trainer.identify.prediction_error import MultiStep, Shown, loss_1
-from trainer.identify.problem import Problem
-from trainer.identify.residuals import Residuals, aic_of_likelihood, examine_residuals, verdicts
-from trainer.identify.study import Observed, Study, observe, studies_of
-from trainer.identify.study_records import Ship
-from trainer.identify.uncertainty import intervals
-from trainer.identify.validation import Check, alone, bend_of, check_of
+from trainer.identify.record.measurements import Record
+from trainer.identify.record.study import Observed, Study, observe, studies_of
+from trainer.identify.record.study_records import Ship
 from trainer.units import KNOT
 
 
@@ -166,21 +174,16 @@ class Identified:
     turned: Record | None = None
 
 
-BENDS: Final = ("kappa", "bech", "spiral")  # options, each with a record
-
-
 def carry_out(
-    study: Study, options: dict[str, Any], heard: Callable[[int, float], None]
+    study: Study, options: IdentifyOptions, heard: Callable[[int, float], None]
 ) -> Identified:
-    """Return the fit of a study and its report; ConfigError for what cannot be.
-
-    ``options`` has other records to check it on and to find kappa or H(r) from, a checkpoint, what
-    simpler models to test it against, and whether its matrices are wanted.
-    """
-    bends = [kind for kind in BENDS if options[kind] is not None]
+    """Return the fit of a study and its report; ConfigError for what cannot be."""
+    curves = {"kappa": options.kappa, "bech": options.bech, "spiral": options.spiral}
+    bends = [(kind, path) for kind, path in curves.items() if path is not None]
     if len(bends) > 1:
-        raise ConfigError(f"--{bends[0]} and --{bends[1]}: one curve of steady turns, not two")
-    if options["joint"] and bends not in (["kappa"], ["bech"]):
+        (first, _), (second, _), *_ = bends
+        raise ConfigError(f"--{first} and --{second}: one curve of steady turns, not two")
+    if options.joint and [kind for kind, _ in bends] not in (["kappa"], ["bech"]):
         raise ConfigError("--joint goes with --kappa or --bech and its record")
     seen = [observe(one) for one in studies_of(study)]
     findings = _findings(seen)
@@ -190,13 +193,13 @@ def carry_out(
         raise ConfigError(*error.problems, *findings) from None
     odd = findings if len(seen) > 1 else [str(finding) for finding in seen[0].findings]
     found = describe(fitted, tuple(odd))
-    more: dict[str, Any] = {"rivals": rivals_of(fitted, options["against"], options["without"])}
-    if options["check"] is not None:
-        more["check"] = check_of(fitted, options["check"])
-    if options["matrices"]:
+    more: dict[str, Any] = {"rivals": rivals_of(fitted, options.against, options.without)}
+    if options.check is not None:
+        more["check"] = check_of(fitted, options.check)
+    if options.matrices:
         more["matrices"] = matrices_of(fitted)
     found = replace(found, report=replace(found.report, **more))
-    return bent(found, bends[0], options[bends[0]], joint=options["joint"]) if bends else found
+    return bent(found, *bends[0], joint=options.joint) if bends else found
 
 
 def _findings(seen: Sequence[Observed]) -> list[str]:
@@ -208,18 +211,18 @@ def _findings(seen: Sequence[Observed]) -> list[str]:
 def _fit(
     study: Study,
     records: Sequence[Record],
-    options: dict[str, Any],
+    options: IdentifyOptions,
     heard: Callable[[int, float], None],
 ) -> Fitted:
     """Return the fit that was asked for, or the model as it starts."""
     record, *others = records
-    if options.get("simulate"):
+    if options.simulate:
         return simulate(study, record, others)
 
     def told(found: Found) -> None:
         heard(found.steps, found.cost)
 
-    return fit(study, record, told, options["checkpoint"], others)
+    return fit(study, record, told, options.checkpoint, others)
 
 
 def describe(fitted: Fitted, findings: tuple[str, ...] = ()) -> Identified:

@@ -12,14 +12,16 @@ from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.nomoto import load_nomoto
 from trainer.config.vessel import VesselFile
-from trainer.identify.nomoto import Levers, Nomoto
-from trainer.identify.nonlinear import Bent
-from trainer.identify.steering import steering
+from trainer.identify.fitting.nonlinear import Bent
+from trainer.identify.model.nomoto import Levers, Nomoto
+from trainer.identify.model.steering import steering
 from trainer.units import DEGREE, KNOT
 
 HELMS: Final = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # [deg] of the table of steady turns
 CURVE: Final = 201  # points
 UNITS: Final = {"K": "1/s", "T1": "s", "T2": "s", "T3": "s", "K_v": "m/s", "T3v": "s"}
+
+LEVERS: Final = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")  # as a fit calls them
 
 
 class Loop(NamedTuple):
@@ -81,27 +83,15 @@ def _at_speed(knots: float, form: Nomoto, bent: Bent, arms: Levers | None = None
     return AtSpeed(
         speed_kn=knots,
         numbers=dict(zip(UNITS, map(float, numbers), strict=True)) | {"T_imag": form.T1.imag},
-        levers_m=None if arms is None else _named(arms),
+        levers_m=None if arms is None else dict(zip(LEVERS, arms, strict=True)),
         helm=bent.curve,
         neutral_deg=bent.delta_0 / DEGREE,
         stable=form.T1.real > 0.0,
         turns_deg_s=tuple(
             tuple(rate / DEGREE for rate in bent.rates(helm * DEGREE)) for helm in HELMS
         ),
-        loop=_loop(bent),
+        loop=bent.loop and Loop(*(one / DEGREE for one in bent.loop)),
     )
-
-
-def _named(arms: Levers) -> dict[str, float]:
-    """Return the lever arms by the names that a fit has for them."""
-    names = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")
-    return dict(zip(names, arms, strict=True))
-
-
-def _loop(bent: Bent) -> Loop | None:
-    """Return the loop in degrees, None of a ship without one."""
-    found = bent.loop
-    return None if found is None else Loop(*(one / DEGREE for one in found))
 
 
 def render(report: Report) -> str:

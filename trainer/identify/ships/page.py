@@ -8,10 +8,9 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.report.plots import Curve, Panel, Screen
-from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
-from trainer.config.files import ConfigError
+from trainer.analysis.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.core.kernel import Numbers
-from trainer.identify.pages import identify as sheets
+from trainer.identify import sheet as sheets
 from trainer.identify.ships.records import Trial
 from trainer.identify.ships.results import (
     OUTPUTS,
@@ -24,7 +23,6 @@ from trainer.identify.ships.results import (
     Untold,
     residual_accelerations,
 )
-from trainer.io.atomic_write import write_whole
 
 NOISE_UNITS: Final = {
     "u": "m/s",
@@ -49,12 +47,11 @@ def render(report: Report) -> str:
     lines += wrap(f"prior: {report.prior}{strength}")
     if report.findings:
         lines += ["", f"{INDENT}The record:"]
-        lines += [line for text in report.findings for line in wrap(f"- {text}")]
+        lines += items(report.findings)
     lines += ["", *_coefficient_table(report), "", *_noise_table(report), "", *_fit_lines(report)]
     lines += ["", *_untold_lines(report), "", *_prediction_table(report)]
     lines += ["", *_whiteness_lines(report)]
-    for text in report.patterns:
-        lines += wrap(f"- {text}")
+    lines += items(report.patterns)
     for test in report.tests:
         lines += wrap(
             f"Without {', '.join(test.without)}: 2 log L falls by {test.statistic:.2f}, "
@@ -112,8 +109,7 @@ def _untold_lines(report: Report) -> list[str]:
     lines = [f"{INDENT}What the record cannot tell"]
     if not report.untold:
         lines += wrap("- nothing: each coefficient is told by itself")
-    for one in report.untold:
-        lines += wrap(f"- {in_words(one)}")
+    lines += items(map(in_words, report.untold))
     if report.from_book:
         names = ", ".join(report.from_book)
         lines += wrap(f"- {names}: from the book, not from the record (prior's share above 90 %)")
@@ -236,15 +232,12 @@ def _cause(name: str, states: Numbers, inputs: Numbers, length: float) -> Number
     return np.asarray(states[:, 1] / size if name == "v'" else states[:, 2] * length / size)
 
 
-def write_coefficients(report: Report, path: Path) -> None:
-    """Write coefficients, standard deviations and covariance as CSV. ConfigError."""
+def coefficients_text(report: Report) -> str:
+    """Return coefficients, standard deviations and covariance as CSV."""
     p = len(report.coefficients)
     names = report.covariance_names[:p]
     lines = [",".join(("name", "value", "deviation", "prior_share", *names))]
     for one, row in zip(report.coefficients, report.covariance, strict=False):
         numbers = (one.value, one.deviation, min(one.prior_share, 1.0), *row[:p])
         lines.append(",".join((one.name, *(repr(x) if math.isfinite(x) else "" for x in numbers))))
-    try:
-        write_whole(path, "\n".join(lines) + "\n")
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be written: {error.strerror}") from error
+    return "\n".join(lines) + "\n"

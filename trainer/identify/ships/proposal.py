@@ -1,18 +1,25 @@
 """The file of a ship begun from a record, for its user to complete."""
 
 import shlex
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from pathlib import Path
 from typing import Final
 
 from trainer.config.files import ConfigError, write_once
 from trainer.config.tables import Table, read_table
-from trainer.identify.findings import examine
-from trainer.identify.guessed_columns import SHIP_WORDS, GuessedColumns, guess_columns
-from trainer.identify.measurements import Record
-from trainer.identify.proposal import Proposal, columns_text, quoted, turned
-from trainer.identify.ships.records import FURTHER, GROUND, NEEDED, OWN
-from trainer.identify.sources import Column, load_record, own_columns, units_of
+from trainer.identify.record.columns import SHIP_WORDS, GuessedColumns, guess_columns
+from trainer.identify.record.findings import examine
+from trainer.identify.record.measurements import Record
+from trainer.identify.record.proposal import Proposal, columns_text, quoted, turned
+from trainer.identify.record.sources import (
+    FURTHER_CHANNELS,
+    FURTHER_COLUMNS,
+    Column,
+    load_record,
+    own_columns,
+    units_of,
+)
+from trainer.identify.ships.records import GROUND, NEEDED
 
 TEXT: Final = """\
 # The file of a ship, for records like {record}. What was guessed is marked: correct it.
@@ -50,13 +57,13 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
     """
     table = read_table(data)
     own = _own(table)
-    found = own or guess_columns(table, SHIP_WORDS, _units)
+    found = own or guess_columns(table, SHIP_WORDS)
     if found.columns.keys() <= {"t"}:
         raise ConfigError(
             f"{data}: no column looks like the rudder, the speed or the heading; it has "
             f"{', '.join(table.names)}: name them so"
         )
-    usual = {key: one for key, one in found.columns.items() if key not in FURTHER}
+    usual = {key: one for key, one in found.columns.items() if key not in FURTHER_CHANNELS}
     record = load_record(data, usual)
     sign = ""
     if record.rudder is not None:
@@ -80,7 +87,7 @@ def _own(table: Table) -> GuessedColumns | None:
     """Return the columns as the trainer writes them, which a ship's file need not name."""
     own = {
         **own_columns(),
-        **{key: Column(name, next(iter(_units(key)))) for key, name in OWN.items()},
+        **{key: Column(name, next(iter(units_of(key)))) for key, name in FURTHER_COLUMNS.items()},
     }
     found = {key: column for key, column in own.items() if table.has(column.name)}
     return None if _lacking(found) else GuessedColumns(found, frozenset())
@@ -90,11 +97,6 @@ def fitting(data: Path, path: Path) -> str:
     """Return the command that fits the ship of a file to a record."""
     names = [shlex.quote(str(one)) for one in (data, path)]
     return f"trainer identify {names[0]} --model mmg --ship {names[1]}"
-
-
-def _units(channel: str) -> Mapping[str, float]:
-    """Return the units that a channel can have, and what each is in SI."""
-    return FURTHER[channel] if channel in FURTHER else units_of(channel)
 
 
 def _lacking(columns: Collection[str]) -> dict[str, str]:

@@ -14,26 +14,18 @@ from trainer.config.sensors import Sensors
 from trainer.config.ship import GRAVITY, ShipFile
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
-from trainer.identify.findings import examine, unwrap_heading
-from trainer.identify.measurements import Finding, Record
-from trainer.identify.sources import UNITS, Column, load_record, own_columns, read_by
+from trainer.identify.record.findings import examine, unwrap_heading
+from trainer.identify.record.measurements import Finding, Record
+from trainer.identify.record.sources import (
+    FURTHER_CHANNELS,
+    FURTHER_COLUMNS,
+    Column,
+    load_record,
+    own_columns,
+    read_by,
+)
 from trainer.io.paths import SUFFIX
 
-OWN: Final = {  # columns of the trainer that ships that are not linear need beside the usual ones
-    "revolutions": "n",
-    "wind_ahead": "wind_ahead",
-    "wind_starboard": "wind_starboard",
-    "roll": "phi",
-    "roll_rate": "p",
-}
-FURTHER: Final[Mapping[str, Mapping[str, float]]] = {  # channels that are not a record's, and units
-    "revolutions": {"1/s": 1.0, "rps": 1.0, "rpm": 1.0 / 60.0},
-    **dict.fromkeys(("north_velocity", "east_velocity"), UNITS["m/s"]),
-    **dict.fromkeys(("wind_speed", "wind_ahead", "wind_starboard"), UNITS["m/s"]),
-    "wind_from": UNITS["rad"],
-    "roll": UNITS["rad"],
-    "roll_rate": UNITS["rad/s"],
-}
 OF_ROLL: Final = ("roll_rate", "roll")  # readings, in the order of the filter
 NEEDED: Final = {  # and why
     "speed": "the speed through the water drives every force",
@@ -115,7 +107,7 @@ def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
             raise ConfigError(f"{ship.path.name}: [columns]: no column is the rudder")
         return found
     table = read_table(path)
-    own = {**own_columns(), **{key: Column(name, None) for key, name in OWN.items()}}
+    own = {**own_columns(), **{key: Column(name, None) for key, name in FURTHER_COLUMNS.items()}}
     unread = OF_ROLL if ship.roll is None else ()
     return {key: one for key, one in own.items() if table.has(one.name) and key not in unread}
 
@@ -129,7 +121,7 @@ def _read(
             f"{path}: records for this model are CSV files: trainer export {path} --csv FILE "
             "writes one"
         )
-    usual = {key: one for key, one in columns.items() if key not in FURTHER}
+    usual = {key: one for key, one in columns.items() if key not in FURTHER_CHANNELS}
     if ship.records.interval_s is not None:
         usual.pop("t", None)
     elif "t" not in usual:
@@ -143,13 +135,14 @@ def _read(
     table = read_table(path)
     further = {}
     for key, one in columns.items():
-        if key in FURTHER:
+        if key in FURTHER_CHANNELS:
             place = table.place(one.name, key)
-            unit = one.unit or table.units[place] or next(iter(FURTHER[key]))
-            if unit not in FURTHER[key]:
-                known = " or ".join(FURTHER[key])
-                raise ConfigError(f"{path}: {one.name}: unit {quote(unit)}: must be {known}")
-            further[key] = table.numbers(place) * FURTHER[key][unit]
+            known = FURTHER_CHANNELS[key]
+            unit = one.unit or table.units[place] or next(iter(known))
+            if unit not in known:
+                wrong = f"unit {quote(unit)}: must be {' or '.join(known)}"
+                raise ConfigError(f"{path}: {one.name}: {wrong}")
+            further[key] = table.numbers(place) * known[unit]
     return record, further
 
 

@@ -1,10 +1,10 @@
 """The report of a fitted ship: coefficients, untold combinations, predictions, innovations."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -12,7 +12,8 @@ from trainer.boat.ship.models import AXES, FIXED, NONLINEAR, Model, model_for
 from trainer.config.files import ConfigError, nearest
 from trainer.config.ship import Result, ShipFile, load_ship
 from trainer.core.kernel import Numbers
-from trainer.identify.residuals import LAGS, correlation, portmanteau, ratio_test
+from trainer.identify.judge.residuals import LAGS, correlation, portmanteau, ratio_test
+from trainer.identify.options import IdentifyOptions
 from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, terms_of, told_of_roll
 from trainer.identify.ships.likelihood import Problem
 from trainer.identify.ships.priors import prior_of
@@ -128,37 +129,31 @@ class Identified:
 
 
 def read_trials(
-    files: Sequence[Path], options: Mapping[str, Any]
+    files: Sequence[Path], options: IdentifyOptions
 ) -> tuple[ShipFile, tuple[Trial, ...], tuple[Trial, ...]]:
-    """Return a ship, its records, and those to predict. ConfigError for what cannot be.
-
-    ``options`` are those of ``trainer identify``.
-    """
-    if options["ship"] is None:
+    """Return a ship, its records, and those to predict. ConfigError for what cannot be."""
+    if options.ship is None:
         raise ConfigError(
-            f"--model {options['model']} needs --ship FILE, a file of the ship's dimensions: "
+            f"--model {options.model} needs --ship FILE, a file of the ship's dimensions: "
             f"trainer identify new {files[0]} --ship ship.toml begins one"
         )
-    ship, every = load_ship(options["ship"]), int(options["every"] or 1)
+    ship, every = load_ship(options.ship), options.every or 1
     trials = tuple(load_trial(path, ship, every) for path in files)
-    return ship, trials, tuple(load_trial(path, ship, every) for path in options["predict"])
+    return ship, trials, tuple(load_trial(path, ship, every) for path in options.predict)
 
 
 def fit_trials(
     ship: ShipFile,
     trials: tuple[Trial, ...],
     held: tuple[Trial, ...],
-    options: Mapping[str, Any],
+    options: IdentifyOptions,
     heard: Callable[[int, float], None],
 ) -> Identified:
-    """Return a ship fitted to trials, with what it predicts of those ``held`` back. ConfigError.
-
-    ``options`` are those of ``trainer identify``.
-    """
-    trials = tuple(_between(trial, options["begin"], options["end"]) for trial in trials)
-    model = model_for(ship, options["model"], wind=any(trial.windy for trial in trials))
+    """Return a ship fitted to trials, with what it predicts of those ``held`` back. ConfigError."""
+    trials = tuple(_between(trial, options.begin, options.end) for trial in trials)
+    model = model_for(ship, options.model or "", wind=any(trial.windy for trial in trials))
     prior, source = prior_of(model, ship)
-    strength = float(options["prior_strength"])
+    strength = options.prior_strength
     problem, begin = pose(model, np.array(ship.constants), trials, prior, strength)
     doubts = tuple(_strangers(problem, begin))
     fitted = fit(problem, begin, heard)
@@ -170,8 +165,8 @@ def fit_trials(
     told = source if strength > 0.0 else "none"
     report = _report(ship, fitted, (told, strength), held)
     report = replace(report, findings=(*report.findings, *doubts))
-    if options["without"]:
-        report = replace(report, tests=(_test_without(fitted, tuple(options["without"])),))
+    if options.without:
+        report = replace(report, tests=(_test_without(fitted, options.without),))
     return Identified(_result(ship, fitted, report), fitted, report, held)
 
 

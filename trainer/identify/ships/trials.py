@@ -1,9 +1,9 @@
 """Trials of ships that are not linear: what helm would tell, before it is given."""
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar, Final
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.vehicle import Measure
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, cut, table, wrap
+from trainer.analysis.report.text import INDENT, cut, items, table, wrap
 from trainer.boat.ship.models import model_for
 from trainer.config.files import ConfigError
 from trainer.config.sensors import Sensors
@@ -100,6 +100,24 @@ class Helm:
         return BinaryHelm(self.sequence_deg, self.hold_s, self.bits, self.seed, seconds)
 
 
+@dataclass(frozen=True, kw_only=True)
+class TrialOptions:
+    """A user's wishes for trials; None is what suits the ship."""
+
+    zigzag: tuple[float, float] | None = None  # [deg] rudder and heading
+    amplitude: float | None = None  # [deg] of a sequence, where one is wanted
+    hold: float | None = None  # [s] of a bit
+    bits: int | None = None  # of the register
+    seed: int = 1
+    seconds: float = 600.0
+    speeds: tuple[tuple[float, float], ...] = ()  # [kn] and that which the revolutions hold
+    interval: float | None = None  # [s] between samples
+    outputs: tuple[str, ...] = ()  # read beside the speed
+    sensors: Sensors
+    unrest: float = 0.02  # [deg/s] rms, of the sea alone
+    prior_strength: float = 0.5
+
+
 @dataclass(frozen=True)
 class Leg:
     """One helm, begun at a speed with the revolutions that hold another, or the same."""
@@ -171,19 +189,19 @@ class TrialShip(IdentifiedShip):
         self.now = self.now._replace(turns=self.motion.straight(self._held).turns)
 
 
-def design(ship: ShipFile, options: Mapping[str, Any]) -> Design:
-    """Return trials of the ship with what they would tell; ``options`` are the command's.
+def design(ship: ShipFile, options: TrialOptions) -> Design:
+    """Return trials of the ship with what they would tell.
 
     With several speeds, or both kinds of helm, each is tried alone, then all of them in the same
     time. ConfigError.
     """
     usual = IdentifiedShip(ship)
-    speeds = options["speeds"] or ((usual.speed_kn, usual.speed_kn),)
+    speeds = options.speeds or ((usual.speed_kn, usual.speed_kn),)
     helms = tuple(_helms(usual, options))
     legs = [Leg(speed, held, helm) for helm in helms for speed, held in speeds]
     _check(ship, legs, options)
     ways = [(leg,) for leg in legs] + ([tuple(legs)] if len(legs) > 1 else [])
-    interval = options["interval"] or STEPS * usual.step
+    interval = options.interval or STEPS * usual.step
     every = max(1, round(interval / usual.step))
     flown = tuple(_flights(ship, way, options) for way in ways)
     expected = tuple(_expected(ship, flights, every, options) for flights in flown)
@@ -193,50 +211,47 @@ def design(ship: ShipFile, options: Mapping[str, Any]) -> Design:
         model=expected[0].problem.model.name,
         length_m=ship.dimensions.length_m,
         helms=helms,
-        seconds=options["seconds"],
+        seconds=options.seconds,
         interval_s=every * usual.step,
         outputs=("speed", *_outputs(options)),
         prior=prior_of(expected[0].problem.model, ship)[1],
-        prior_strength=options["prior_strength"],
+        prior_strength=options.prior_strength,
         plans=plans,
         remarks=tuple(_remarks(plans)),
     )
     return Design(report, flown, expected)
 
 
-def _helms(usual: IdentifiedShip, options: Mapping[str, Any]) -> Iterator[Helm]:
+def _helms(usual: IdentifiedShip, options: TrialOptions) -> Iterator[Helm]:
     """Yield what the rudder does: the zig-zag, the sequence, or both, as they are asked for.
 
     A bit lasts the time of a length, and the register is the shortest that the time does not end.
     """
-    if options["zigzag"] is not None:
-        yield Helm(options["zigzag"])
-    if options["amplitude"] is not None:
-        hold = options["hold"] or usual.length / (usual.speed_kn * KNOT)
-        wanted = options["seconds"] / hold
+    if options.zigzag is not None:
+        yield Helm(options.zigzag)
+    if options.amplitude is not None:
+        hold = options.hold or usual.length / (usual.speed_kn * KNOT)
+        wanted = options.seconds / hold
         long = (bits for bits in TAPS if 2**bits - 1 >= wanted)
-        bits = options["bits"] or next(long, max(TAPS))
-        prbs(bits, options["seed"])
-        yield Helm(None, options["amplitude"], hold, bits, options["seed"])
+        bits = options.bits or next(long, max(TAPS))
+        prbs(bits, options.seed)
+        yield Helm(None, options.amplitude, hold, bits, options.seed)
 
 
-def sensors_of(ship: ShipFile, options: Mapping[str, Any], given: Collection[str]) -> Sensors:
-    """Return the instruments: those ``given`` as options, else the file's, else usual ones."""
+def sensors_of(ship: ShipFile, asked: Sensors, given: Collection[str]) -> Sensors:
+    """Return the instruments: those ``asked`` where ``given`` or where the file has none."""
     own = ship.sensors or Sensors()
-    taken = {
-        key: options[name] if name in given or of_file is None else of_file
-        for key, name in SENSORS.items()
-        for of_file in [getattr(own, key)]
-    }
-    return Sensors(**taken)
+    kept = [key for key, name in SENSORS.items() if name not in given]
+    of_file = {key: value for key in kept if (value := getattr(own, key)) is not None}
+    return replace(asked, **of_file)
 
 
-def _outputs(options: Mapping[str, Any]) -> tuple[str, ...]:
+def _outputs(options: TrialOptions) -> tuple[str, ...]:
     """Return what is read beside the speed."""
-    return tuple(options["outputs"]) or READINGS[1:]
+    return options.outputs or READINGS[1:]
 
 
-def _check(ship: ShipFile, legs: Sequence[Leg], options: Mapping[str, Any]) -> None:
+def _check(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> None:
     """Check what is asked for; ConfigError with the limit."""
     most = ship.dimensions.rudder_limit_deg
     for leg in legs:
@@ -252,9 +267,9 @@ def _check(ship: ShipFile, legs: Sequence[Leg], options: Mapping[str, Any]) -> N
         raise ConfigError("--output: such a ship is told by sway with yaw_rate or heading")
 
 
-def _flights(ship: ShipFile, legs: Sequence[Leg], options: Mapping[str, Any]) -> tuple[Flight, ...]:
+def _flights(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> tuple[Flight, ...]:
     """Return the flights of a plan, which share its seconds. ConfigError if one is lost."""
-    each = options["seconds"] / len(legs)
+    each = options.seconds / len(legs)
     flown = []
     for leg in legs:
         vessel = TrialShip(ship, leg.held_kn * KNOT)
@@ -282,16 +297,14 @@ def flown_trial(ship: ShipFile, flight: Flight, every: int, read: Sequence[str])
     return Trial(flight.series.path.name, t, rows, (), windy=False)
 
 
-def _expected(
-    ship: ShipFile, flights: Sequence[Flight], every: int, options: Mapping[str, Any]
-) -> Fit:
+def _expected(ship: ShipFile, flights: Sequence[Flight], every: int, options: TrialOptions) -> Fit:
     """Return what is expected of fitting the records of these flights together."""
     if ship.result is None:
         raise ConfigError(f"{ship.path.name}: lacks [result]")
     trials = [flown_trial(ship, flight, every, _outputs(options)) for flight in flights]
     model = model_for(ship, ship.result.model, wind=False)
     prior, _ = prior_of(model, ship)
-    problem = problem_of(model, np.array(ship.constants), trials, prior, options["prior_strength"])
+    problem = problem_of(model, np.array(ship.constants), trials, prior, options.prior_strength)
     noise, axes = _noise(ship, ship.result.speed_kn * KNOT, options), len(model.driven)
     noise[axes:] = np.maximum(noise[axes:], problem.floors)
     states = STATES[: model.states]
@@ -300,7 +313,7 @@ def _expected(
     return expect(problem, np.concatenate([own, np.log(noise), *firsts]))
 
 
-def _noise(ship: ShipFile, speed: float, options: Mapping[str, Any]) -> Numbers:
+def _noise(ship: ShipFile, speed: float, options: TrialOptions) -> Numbers:
     """Return the disturbances and the errors of readings.
 
     Disturbances make the unrest in the time of a length; those of surge and sway are of a force at
@@ -308,10 +321,9 @@ def _noise(ship: ShipFile, speed: float, options: Mapping[str, Any]) -> Numbers:
     is read as heading is.
     """
     length = ship.dimensions.length_m
-    turning = max(math.radians(options["unrest"]) / math.sqrt(length / speed), CALMEST)
+    turning = max(math.radians(options.unrest) / math.sqrt(length / speed), CALMEST)
     aside = GYRATION * length * turning
-    sensors: Sensors = options["sensors"]
-    errors = [sensors.error(name) for name in ("sway", "sway", "yaw_rate", "heading")]
+    errors = [options.sensors.error(name) for name in ("sway", "sway", "yaw_rate", "heading")]
     rolls = ([turning], errors[2:]) if ship.roll is not None else ([], [])
     return np.array([aside, aside, turning, *rolls[0], *errors, *rolls[1]])
 
@@ -370,7 +382,7 @@ def render(report: Report) -> str:
     lines += ["", *_table(report.plans)]
     for plan in report.plans:
         lines += ["", f"{INDENT}What {plan.name} will not tell", *_untold(plan)]
-    lines += ["", *(line for text in report.remarks for line in wrap(f"- {text}"))]
+    lines += ["", *items(report.remarks)]
     return "\n".join(lines).rstrip()
 
 
@@ -396,7 +408,7 @@ def _cell(one: Coefficient) -> str:
 def _untold(plan: Plan) -> list[str]:
     """Return what a plan will not tell, in words."""
     worst = plan.untold[:WORST]
-    found = [line for one in worst for line in wrap(f"- {in_words(one)}")]
+    found = items(map(in_words, worst))
     if plan.from_book:
         found += wrap(f"- {', '.join(plan.from_book)}: from the book (its share above 90 %)")
     return found or wrap("- nothing: each coefficient is told by itself")

@@ -11,7 +11,7 @@ import numpy as np
 
 from trainer.analysis.estimate.uncertainty import Joint
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
-from trainer.analysis.manoeuvres.page import Report, fly_vehicle, format_measure
+from trainer.analysis.manoeuvres.page import ManoeuvreOptions, Report, fly_vehicle, format_measure
 from trainer.analysis.manoeuvres.page import render as render_flight
 from trainer.analysis.manoeuvres.vehicle import Control, LostError, Measure
 from trainer.analysis.report.text import table, wrap
@@ -125,9 +125,9 @@ class ShipReport(Report):
     draws_lost: int = 0
 
 
-def fly_ship(ship: ShipFile, name: str, options: Mapping[str, Any]) -> tuple[ShipReport, Flight]:
+def fly_ship(ship: ShipFile, name: str, options: ManoeuvreOptions) -> tuple[ShipReport, Flight]:
     """Return report and flight of a manoeuvre, with intervals by ships drawn."""
-    vehicle = IdentifiedShip(ship, options["step"])
+    vehicle = IdentifiedShip(ship, options.step)
     report, flight = fly_vehicle(vehicle, name, options, vehicle.speed_kn)
     drawn, lost = [], 0
     count = min(max(MOST_CYCLES // max(len(flight.t), 1), FEWEST_DRAWS), DRAWS)

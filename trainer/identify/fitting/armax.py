@@ -1,0 +1,387 @@
+"""ARMAX models, section 9 of the model identification.
+
+y_t + a1 y_(t-1) + ... = b1 u_(t-1) + ... + e_t + c1 e_(t-1) + ..., n coefficients each, and d1 to
+dn in the first n equations where the initial state is estimated.
+
+They are fitted by maximum likelihood, V = 1/2 sum eps^2 brought to its least (9). Order 2 has a
+ship in it.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+
+KINDS: Final = ("a", "b", "c", "d")
+CANCELLED_DISTANCE: Final = 0.15  # [-] of a zero from a pole that it nearly cancels
+
+
+@dataclass(frozen=True)
+class Armax:
+    """A model of order n. ``d`` is () where the initial state is taken as zero."""
+
+    a: tuple[float, ...]
+    b: tuple[float, ...]
+    c: tuple[float, ...]
+    d: tuple[float, ...]
+
+    @classmethod
+    def of(cls, numbers: Numbers, order: int) -> "Armax":
+        """Return the model of the coefficients in the order a, b, c, d."""
+        parts = [tuple(map(float, numbers[i : i + order])) for i in range(0, 4 * order, order)]
+        return cls(*parts)
+
+    @property
+    def order(self) -> int:
+        """Return n."""
+        return len(self.a)
+
+    @property
+    def poles(self) -> tuple[complex, ...]:
+        """Return the zeros of z^n A."""
+        return roots_of((1.0, *self.a))
+
+    @property
+    def zeros(self) -> tuple[complex, ...]:
+        """Return the zeros of z^n B."""
+        return roots_of(self.b)
+
+    def value(self, name: str) -> float:
+        """Return a coefficient by its name, a1 or another."""
+        found: float = getattr(self, name[0])[int(name[1:]) - 1]
+        return found
+
+    def residuals(self, y: Numbers, u: Numbers) -> Numbers:
+        """Return the one-step errors eps (N,) of output y and input u, both (N,)."""
+        left = filtered((1.0, *self.a), (1.0,), y) - filtered((0.0, *self.b), (1.0,), u)
+        left[: len(self.d)] -= self.d
+        return filtered((1.0,), (1.0, *self.c), left)
+
+    def simulated(self, u: Numbers, e: Numbers) -> Numbers:
+        """Return the output (N,) to input u under white disturbance e, both (N,)."""
+        moved = filtered((0.0, *self.b), (1.0,), u) + filtered((1.0, *self.c), (1.0,), e)
+        moved[: len(self.d)] += self.d
+        return filtered((1.0,), (1.0, *self.a), moved)
+
+
+def filtered(over: Sequence[float], under: Sequence[float], series: Numbers) -> Numbers:
+    """Return a series (N,) times a ratio of polynomials in q^-1, at rest before it."""
+    from scipy.signal import lfilter  # noqa: PLC0415 - an extra, imported on use
+
+    return np.asarray(lfilter(over, under, series))
+
+
+def roots_of(polynomial: tuple[float, ...]) -> tuple[complex, ...]:
+    """Return the roots, those furthest out first."""
+    roots = np.roots(np.trim_zeros(np.array(polynomial), "f"))
+    return tuple(complex(root) for root in sorted(roots, key=lambda root: -abs(root)))
+
+
+def coefficient_names(order: int, *, initial: bool) -> tuple[str, ...]:
+    """Return the names of the coefficients of that order, a1 first."""
+    kinds = KINDS if initial else KINDS[:3]
+    return tuple(f"{kind}{i}" for kind in kinds for i in range(1, order + 1))
+
+
+ROUNDS: Final = 100
+HALVINGS: Final = 25
+SETTLED: Final = 1e-10  # [-] relative decrease of the loss expected from a further step
+RIM: Final = 0.9995  # [-] radius within which the zeros of C are kept
+NO_NEARER: Final = 1e-6  # [-] relative decrease expected that rounding may hide
+FLAT: Final = 1e-10  # [-] scaled eigenvalue of the information below which a direction is not known
+LONG_ORDER: Final = 10  # of the autoregression that the second start takes its residuals from
+COMMON: Final = (0.0, 0.5, -0.5, 0.9)  # [-] common factors that a higher order starts from
+NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class ArmaxFit:
+    """A fitted model, and what is known of it."""
+
+    model: Armax
+    names: tuple[str, ...]  # of the estimated coefficients
+    deviations: tuple[float, ...]  # their standard deviations; infinite where not known
+    covariance: Numbers
+    loss: float  # V
+    samples: int
+    rounds: int
+    converged: bool
+    inseparable: tuple[str, ...]  # coefficients that only their common factor moves
+
+    @property
+    def parameters(self) -> int:
+        """Return how many coefficients were estimated, initial states among them."""
+        return len(self.names)
+
+    @property
+    def deviation(self) -> float:
+        """Return lambda, the standard deviation of the one-step error."""
+        return float(np.sqrt(2.0 * self.loss / self.samples))
+
+
+@dataclass(frozen=True)
+class _Search:
+    """A record and what is sought in it."""
+
+    y: Numbers
+    u: Numbers
+    order: int
+    fixed: Numbers  # all coefficients; those sought are replaced
+    sought: NDArray[np.int64]  # their places
+
+    def model(self, theta: Numbers) -> Armax:
+        """Return the model of the sought coefficients."""
+        numbers = self.fixed.copy()
+        numbers[self.sought] = theta
+        return Armax.of(numbers, self.order)
+
+    def stable(self, theta: Numbers) -> Numbers:
+        """Return the coefficients with the zeros of C mirrored into the unit circle.
+
+        A zero z and its mirror image 1/z give the disturbance the same spectrum.
+        """
+        n = self.order
+        noise = np.flatnonzero((self.sought >= 2 * n) & (self.sought < 3 * n))
+        zeros = np.array(roots_of((1.0, *self.model(theta).c)))
+        if len(noise) < n or not (np.abs(zeros) > RIM).any():
+            return theta
+        size = np.abs(zeros)
+        inside = np.where(size > 1.0, zeros / size**2, zeros)
+        inside *= np.minimum(1.0, RIM / np.maximum(np.abs(inside), 1e-300))
+        found = theta.copy()
+        found[noise] = np.poly(np.append(inside, np.zeros(n - len(inside)))).real[1:]
+        return found
+
+    def radius(self, theta: Numbers) -> float:
+        """Return how far out the zeros of C are."""
+        return max(abs(root) for root in (0.0, *roots_of((1.0, *self.model(theta).c))))
+
+    def loss(self, theta: Numbers) -> float:
+        """Return V; infinite where C has a zero beyond the rim."""
+        if self.radius(theta) > RIM + 1e-9:
+            return float(np.inf)
+        eps = self.model(theta).residuals(self.y, self.u)
+        value = 0.5 * float(eps @ eps)
+        return value if np.isfinite(value) else float(np.inf)
+
+    def at_rim(self, theta: Numbers) -> bool:
+        """Return whether a zero of C is held at the rim. The loss would fall beyond it."""
+        return self.radius(theta) > RIM - 1e-6
+
+    def jacobian(self, theta: Numbers) -> tuple[Numbers, Numbers]:
+        """Return eps (N,) and its derivatives (N, sought)."""
+        model = self.model(theta)
+        eps, n = model.residuals(self.y, self.u), self.order
+        impulse = np.zeros_like(self.y)
+        impulse[0] = -1.0
+        sources = (self.y, -self.u, -eps, impulse)
+        bases = [filtered((1.0,), (1.0, *model.c), source) for source in sources]
+        columns = [
+            _later(bases[place // n], place % n + (0 if place // n == 3 else 1))
+            for place in self.sought
+        ]
+        return eps, np.column_stack(columns)
+
+
+def _later(series: Numbers, samples: int) -> Numbers:
+    """Return the series, later by some samples, zeros before."""
+    return np.concatenate([np.zeros(samples), series[: len(series) - samples]])
+
+
+def fit_armax(
+    y: Numbers,
+    u: Numbers,
+    order: int,
+    *,
+    initial: bool = True,
+    fixed: Mapping[str, float] = NOTHING,
+    lower: Armax | None = None,
+) -> ArmaxFit:
+    """Return the maximum likelihood model of that order. Output y and input u are (N,).
+
+    Gauss and Newton's steps, halved until they help, from least squares, from Hannan and
+    Rissanen's start, and from the model of the order below, ``lower`` if it is known, times common
+    factors; the best end is taken. ConfigError if the record is too short or has gaps.
+    """
+    names = coefficient_names(order, initial=initial)
+    places = np.array([i for i, name in enumerate(names) if name not in fixed], dtype=np.int64)
+    if len(y) < 2 * len(places) + order:
+        raise ConfigError(f"{len(y)} samples are too few for {len(places)} coefficients")
+    if np.isnan(y).any() or np.isnan(u).any():
+        raise ConfigError("ARMAX needs a record without missing values; give a part without any")
+    start = np.zeros(len(names))
+    start[[names.index(name) for name in fixed]] = list(fixed.values())
+    search = _Search(y, u, order, start, places)
+    starts = _starts(search)
+    if order > 1 and not fixed:
+        below = lower or fit_armax(y, u, order - 1, initial=initial).model
+        starts += [_raise_order(below, factor, initial=initial) for factor in COMMON]
+    ends = [_descend(search, theta) for theta in starts]
+    return _account(search, min(ends, key=lambda end: search.loss(end.theta)))
+
+
+def _raise_order(model: Armax, factor: float, *, initial: bool) -> Numbers:
+    """Return the coefficients of the order above with A, B and C times 1 - factor q^-1."""
+    a, b, c = (
+        np.convolve((1.0, -factor), head)[1:]
+        for head in ((1.0, *model.a), (0.0, *model.b), (1.0, *model.c))
+    )
+    d = np.convolve((1.0, -factor), model.d) if initial else np.empty(0)
+    return np.concatenate([a, b, c, d])
+
+
+def _starts(search: _Search) -> list[Numbers]:
+    """Return coefficients to start from: least squares with c = 0, and with estimated errors."""
+    zero = search.fixed[search.sought]
+    eps, J = search.jacobian(zero)
+    plain = zero - np.linalg.lstsq(J, eps, rcond=None)[0]
+    n = search.order
+    for place, i in enumerate(search.sought):
+        if i // n == 2:
+            plain[place] = 0.0
+    errors = _long_errors(search.y, search.u, LONG_ORDER + n)
+    columns = []
+    for i in search.sought:
+        kind, lag = divmod(int(i), n)
+        source = (search.y, -search.u, -errors, None)[kind]
+        impulse = np.zeros_like(search.y)
+        impulse[min(lag, len(impulse) - 1)] = -1.0
+        columns.append(impulse if source is None else _later(source, lag + 1))
+    second = np.linalg.lstsq(np.column_stack(columns), -search.y, rcond=None)[0]
+    starts = [plain, second]
+    return [theta for theta in starts if np.isfinite(search.loss(theta))] or [zero]
+
+
+def _long_errors(y: Numbers, u: Numbers, order: int) -> Numbers:
+    """Return the residuals (N,) of a long autoregression with input."""
+    order = min(order, len(y) // 4)
+    columns = [_later(series, i) for series in (y, u) for i in range(1, order + 1)]
+    regressors = np.column_stack(columns)
+    found = np.linalg.lstsq(regressors, y, rcond=None)[0]
+    return np.asarray(y - regressors @ found)
+
+
+class _End(NamedTuple):
+    """Where a descent ended."""
+
+    theta: Numbers
+    rounds: int
+    settled: bool
+
+
+def _descend(search: _Search, theta: Numbers) -> _End:
+    """Return the coefficients where the loss no longer falls."""
+    loss = search.loss(theta)
+    for rounds in range(1, ROUNDS + 1):
+        eps, J = search.jacobian(theta)
+        step = np.asarray(-np.linalg.lstsq(J, eps, rcond=1e-12)[0], float)
+        expected = -float((J.T @ eps) @ step)
+        if expected < SETTLED * loss:
+            return _End(theta, rounds, settled=True)
+        nearer = _nearer(search, theta, step, loss)
+        if nearer is None:
+            return _End(theta, rounds, search.at_rim(theta) or expected < NO_NEARER * loss)
+        before, (theta, loss) = loss, nearer
+        if search.at_rim(theta) and before - loss < SETTLED * loss:
+            return _End(theta, rounds, settled=True)
+    return _End(theta, ROUNDS, settled=False)
+
+
+def _nearer(
+    search: _Search, theta: Numbers, step: Numbers, loss: float
+) -> tuple[Numbers, float] | None:
+    """Return coefficients of a lower loss along the step, and that loss; None if it has none."""
+    for halving in range(HALVINGS):
+        there = search.stable(theta + 0.5**halving * step)
+        lower = search.loss(there)
+        if lower < loss:
+            return there, lower
+    return None
+
+
+def _account(search: _Search, end: _End) -> ArmaxFit:
+    """Return the fit with its covariance lambda^2 (J^T J)^-1."""
+    eps, J = search.jacobian(end.theta)
+    names = coefficient_names(search.order, initial=len(search.fixed) > 3 * search.order)
+    sought = tuple(names[i] for i in search.sought)
+    size = np.sqrt(np.maximum(np.einsum("ij,ij->j", J, J), 1e-300))
+    values, vectors = np.linalg.eigh((J / size).T @ (J / size))
+    flat = values < FLAT * values[-1]
+    share = float(eps @ eps) / len(eps)
+    inverse = (vectors / np.where(flat, np.inf, values)) @ vectors.T
+    covariance = share * inverse / np.outer(size, size)
+    unknown = (np.abs(vectors[:, flat]) > 0.05).any(axis=1)
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    return ArmaxFit(
+        model=search.model(end.theta),
+        names=sought,
+        deviations=tuple(float(x) for x in np.where(unknown, np.inf, deviations)),
+        covariance=covariance,
+        loss=0.5 * float(eps @ eps),
+        samples=len(eps),
+        rounds=end.rounds,
+        converged=end.settled,
+        inseparable=tuple(name for name, lost in zip(sought, unknown, strict=True) if lost),
+    )
+
+
+def detrend(series: Numbers, treatment: str) -> Numbers:
+    """Return the series as it is, or less its mean or its straight line."""
+    if treatment == "none":
+        return series
+    if treatment == "mean":
+        return np.asarray(series - series.mean())
+    t = np.arange(len(series), dtype=float)
+    return np.asarray(series - np.polyval(np.polyfit(t, series, 1), t))
+
+
+def remove_delay(y: Numbers, u: Numbers, samples: int) -> tuple[Numbers, Numbers]:
+    """Return output and input with a dead time taken out: y earlier by ``samples``."""
+    if samples == 0:
+        return y, u
+    return y[samples:], u[:-samples]
+
+
+class FirstOrder(NamedTuple):
+    """The first-order Nomoto model K/(1 + T s) in a heading's second-order ARMAX model."""
+
+    K: float  # [1/s]
+    T: float  # [s]
+    pole: float  # [-] per sample
+
+
+def without_wind(model: Armax, interval: float) -> FirstOrder:
+    """Return K and T of rudder to heading (9). A is replaced by (z - 1)(z - p), p = -a1 - 1.
+
+    The other pole is that of heading: 1 without wind. ConfigError unless the order is 2 and p is
+    between 0 and 1.
+    """
+    if model.order != 2:
+        raise ConfigError(f"a first-order ship needs an ARMAX model of order 2, not {model.order}")
+    p = -model.a[0] - 1.0
+    if not 0.0 < p < 1.0:
+        raise ConfigError(f"the pole {p:.3g} per sample is no time constant")
+    gain = sum(model.b) / ((1.0 - p) * interval)
+    return FirstOrder(gain, -interval / math.log(p), p)
+
+
+def rounding_poles(model: Armax) -> tuple[tuple[float, float], ...]:
+    """Return the negative real poles that a zero nearly cancels.
+
+    They show a rounded reading, not a ship.
+    """
+    found = []
+    for pole in model.poles:
+        if abs(pole.imag) > 1e-9 or pole.real >= 0.0:
+            continue
+        near = min(model.zeros, key=lambda zero: abs(zero - pole), default=None)
+        if near is not None and abs(near - pole) < CANCELLED_DISTANCE:
+            found.append((pole.real, near.real))
+    return tuple(found)

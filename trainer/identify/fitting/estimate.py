@@ -1,0 +1,190 @@
+"""Estimation: which minimiser, from how many starts, and what it found."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.extras import require_library
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.fitting.minimise import (
+    CLOSE,
+    Cost,
+    Found,
+    Search,
+    judged,
+    scipy_search,
+    scoring,
+    settle,
+    stretch,
+)
+from trainer.identify.fitting.problem import Problem
+
+WIDEST: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
+FASTEST: Final = 0.5  # [intervals] of a time constant that two readings still show
+MOST: Final = 4  # times the restarts wanted, in all
+APPROACH: Final = 60  # steps from another start
+NEARBY: Final = 10.0  # [-] of cost above the best, from where a search is carried on
+NARROW: Final = 0.3  # [-] of the width, of every other start
+BEATEN: Final = 0.01  # [-] of cost: what another start must gain
+
+
+def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
+    """Return the minimum by Powell's directions, no gradient used; needs scipy.
+
+    Each coordinate is measured by its own standard deviation at the start where that is known.
+    """
+    require_library("scipy", "identify")
+    from scipy.optimize import minimize  # noqa: PLC0415 - an extra, imported on use
+
+    problem = stretch(cost, theta)
+    diagonal = np.diag(problem.information(np.zeros(len(theta))))
+    known = np.isfinite(diagonal) & (diagonal > 0.0)
+    width = np.where(known, 1.0 / np.sqrt(np.where(known, diagonal, 1.0)), 1.0)
+
+    def value(x: Numbers) -> float:
+        return min(cost.value(problem.theta(x * width)), 1e300)
+
+    def told(x: Numbers) -> None:
+        search.progress(Found(problem.theta(x * width), value(x), 0, converged=False))
+
+    options = {"maxiter": search.most, "xtol": 1e-4, "ftol": 1e-12}
+    result: Any = minimize(
+        value, np.zeros(len(theta)), method="Powell", callback=told, options=options
+    )
+    return judged(problem, np.atleast_1d(result.x) * width, int(result.nit))
+
+
+Minimiser = Callable[[Cost, Numbers, Search], Found]
+
+
+def by_scoring(cost: Cost, theta: Numbers, search: Search) -> Found:
+    """Return the minimum by scoring, then by scipy's minimisers where that is none."""
+    problem = stretch(cost, theta)
+    eta, steps = scoring(problem, np.zeros(len(theta)), search)
+    return settle(problem, eta, search, steps)
+
+
+def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
+    """Return the minimum by scipy's quasi-Newton steps (BFGS), polished if that is none."""
+    problem = stretch(cost, theta)
+    eta, steps = scipy_search(problem, np.zeros(len(theta)), "BFGS", search)
+    return settle(problem, eta, search, steps)
+
+
+MINIMISERS: Final[dict[str, Minimiser]] = {
+    "scoring": by_scoring,
+    "bfgs": bfgs,
+    "direct": powell,
+}
+
+
+@dataclass(frozen=True)
+class Starts:
+    """Where else to start: until ``restarts`` in a row find nothing better.
+
+    They are drawn ``width`` standard deviations about the start, and by twice its numbers.
+    """
+
+    restarts: int = 0
+    width: float = 10.0
+    seed: int = 1
+
+
+def estimate(
+    cost: Cost, theta: Numbers, method: str, search: Search, starts: Starts | None = None
+) -> Found:
+    """Return the best minimum of ``cost`` from ``theta`` (f,) and from other ``starts``.
+
+    Of numbers that mean the same model it has the first, see Problem.folded.
+    ConfigError where the cost at ``theta`` is not finite.
+    """
+    stretch(cost, theta)  # refuses a variance of nothing
+    if not np.isfinite(cost.value(theta)):
+        raise ConfigError(
+            "the start values are no model: a covariance is not positive, or the prediction "
+            "is not finite; start with other values"
+        )
+    starts = starts or Starts()
+    found = MINIMISERS[method](cost, theta, search)
+    if starts.restarts:
+        found = _doubt_speed(cost.problem, _best(cost, theta, found, starts))
+    return replace(found, theta=cost.problem.folded(found.theta))
+
+
+def _best(cost: Cost, theta: Numbers, found: Found, starts: Starts) -> Found:
+    """Return the best of ``found`` and others, when so many in a row found nothing better.
+
+    A mode faster than the readings is passed over for any other, whatever its likelihood.
+    """
+    unbeaten = 0
+    for begin in _others(cost, theta, starts):
+        other = _approach(cost, begin, found)
+        faster, fast = (is_too_fast(cost.problem, one.theta) for one in (other, found))
+        better = fast if faster != fast else other.cost < found.cost
+        same = faster == fast and other.cost > found.cost - BEATEN
+        unbeaten = unbeaten + 1 if same or not better else 0
+        found = other if better else found
+        if unbeaten == starts.restarts:
+            return found
+    return replace(found, converged=False, doubt=found.doubt or "other starts keep finding better")
+
+
+def _approach(cost: Cost, begin: Numbers, best: Found) -> Found:
+    """Return where another start leads: by scoring, and settled only where it comes near.
+
+    Where it comes to the cost already known it is not looked at again.
+    """
+    problem = stretch(cost, begin)
+    eta, steps = scoring(problem, np.zeros(len(begin)), Search(APPROACH))
+    theta = problem.theta(eta)
+    value = cost.value(theta)
+    speeds = {is_too_fast(cost.problem, one) for one in (theta, best.theta)}
+    if best.converged and abs(value - best.cost) < CLOSE and len(speeds) == 1:
+        return best
+    if value < best.cost + NEARBY:
+        return settle(problem, eta, Search(APPROACH), steps)
+    return Found(theta, value, steps, converged=False)
+
+
+def is_too_fast(problem: Problem, theta: Numbers) -> bool:
+    """Return whether a time constant is so short that the readings cannot show it.
+
+    One reading alone cannot tell a motion inside the interval from its own error.
+    """
+    least = FASTEST if len(problem.plant.outputs) > 1 else 1.0
+    return problem.fastest(theta) < least * problem.plant.period
+
+
+def _doubt_speed(problem: Problem, found: Found) -> Found:
+    """Return ``found``, not settled if it is faster than the readings."""
+    if not is_too_fast(problem, found.theta):
+        return found
+    doubt = (
+        f"a time constant of {problem.fastest(found.theta):.2g} s is beyond readings every "
+        f"{problem.plant.period:g} s: errors stand for motion, or the model has one too many"
+    )
+    return replace(found, converged=False, doubt=doubt)
+
+
+def _others(cost: Cost, theta: Numbers, starts: Starts) -> Iterator[Numbers]:
+    """Yield other starts where the cost is finite: by what ``theta`` is known to, and by its size.
+
+    A number with bounds is spread in its own coordinate, where nothing wider means more.
+    """
+    problem = stretch(cost, theta)
+    size = np.diag(problem.information(np.zeros(len(theta))))
+    told = np.isfinite(size) & (size > 0.0)
+    known = np.where(told, starts.width / np.sqrt(np.where(told, size, 1.0)), 0.0)
+    bounded = np.where(told, np.minimum(known, WIDEST), WIDEST)
+    free = np.minimum(3.0 * known, 2.0 * np.abs(theta)), NARROW * known, known
+    widths = [np.where(problem.bounded, bounded, one) for one in free]
+    widths[1] = np.where(problem.bounded, NARROW * bounded, widths[1])
+    stream = np.random.Generator(np.random.PCG64(starts.seed))
+    for turn in range(starts.restarts * MOST):
+        width = widths[turn % len(widths)]
+        begin = problem.theta(stream.standard_normal(len(theta)) * width)
+        if np.isfinite(cost.value(begin)):
+            yield begin

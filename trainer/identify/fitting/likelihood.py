@@ -1,0 +1,120 @@
+"""The likelihood of a record under a model with noise covariances, its gradient and information.
+
+Model document, 6.1, 6.3 and 8.1. Where a model is impossible (a covariance not positive definite)
+the cost is infinite.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from trainer.core.kernel import Numbers
+from trainer.identify.fitting.problem import Problem
+from trainer.identify.kernels.likelihood import is_possible, likelihood_sums
+from trainer.identify.kernels.sensitivity import score_rows
+from trainer.identify.model.sampled import Sampled
+
+LOG_2_PI: Final = math.log(2.0 * math.pi)
+PIECE: Final = 256  # rows
+
+
+def possible(sampled: Sampled) -> bool:
+    """Return whether the system is finite and P(t0) of the first row positive semidefinite."""
+    return bool(is_possible(*sampled.at(0)))
+
+
+def _gram(rows: Numbers) -> Numbers:
+    """Return rows' rows, in pieces that no library hands to several threads: waking them costs."""
+    count = rows.shape[1]
+    total = np.zeros((count, count))
+    for first in range(0, len(rows), PIECE):
+        piece = rows[first : first + PIECE]
+        total += piece.T @ piece
+    return total
+
+
+class Score(NamedTuple):
+    """Cost and gradient at a place, and the rows whose squares are the information."""
+
+    cost: float
+    gradient: Numbers
+    rows: tuple[tuple[Numbers, Numbers], ...]  # of each run, as wide as Sampled.slopes
+
+
+@dataclass(frozen=True, eq=False)
+class Likelihood:
+    """Minus the log-likelihood by covariances: a cost to minimise over a problem's parameters.
+
+    That of several runs is the sum of theirs.
+    """
+
+    problem: Problem
+    _last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
+
+    def value(self, theta: Numbers) -> float:
+        """Return -log L [-]."""
+        return sum(_cost(run, theta[at]) for run, at in self.problem.runs)
+
+    def slope(self, theta: Numbers) -> tuple[float, Numbers]:
+        """Return the cost and its exact gradient (f,)."""
+        score = self._score(theta)
+        return score.cost, score.gradient
+
+    def information(self, theta: Numbers) -> Numbers:
+        """Return the expected information (f, f); not a number where the model is impossible."""
+        score = self._score(theta)
+        if not math.isfinite(score.cost):
+            return np.full((len(theta), len(theta)), math.nan)
+        total = np.zeros((len(theta), len(theta)))
+        for rows, (_, at) in zip(score.rows, self.problem.runs, strict=True):
+            for part in rows:
+                total[np.ix_(at, at)] += _gram(part)[: len(at), : len(at)]
+        return total * np.outer(self.problem.scale, self.problem.scale)
+
+    def _score(self, theta: Numbers) -> Score:
+        """Return what one run tells; a search asks for gradient and information of one place."""
+        key = theta.tobytes()
+        if self._last.get("key") != key:
+            runs = [_score(run, theta[at]) for run, at in self.problem.runs]
+            gradient = np.zeros(len(theta))
+            for one, (_, at) in zip(runs, self.problem.runs, strict=True):
+                gradient[at] += one.gradient
+            cost = sum(one.cost for one in runs)
+            score = Score(cost, gradient, tuple(rows for one in runs for rows in one.rows))
+            self._last.update(key=key, score=score)
+        found: Score = self._last["score"]
+        return found
+
+
+def _cost(problem: Problem, theta: Numbers) -> float:
+    """Return -log L of one run."""
+    system, samples = problem.sampled(theta).at(0), problem.samples
+    if not is_possible(*system):
+        return math.inf
+    sums = np.empty(4)
+    likelihood_sums(*system, samples.table, samples.steps[1], sums)
+    cost = 0.5 * (sums[0] + sums[1] + sums[3] * LOG_2_PI)
+    return float(cost) if math.isfinite(cost) else math.inf
+
+
+def _score(problem: Problem, theta: Numbers) -> Score:
+    """Return cost, gradient and rows of one run."""
+    sampled, samples, count = problem.sloped(theta), problem.samples, len(theta)
+    impossible = Score(math.inf, np.full(count, math.nan), ())
+    if not possible(sampled):
+        return impossible
+    length, readings = samples.outputs.shape
+    slopes = sampled.slopes()
+    wide = slopes[0].shape[-1]
+    errors = np.empty((length, readings, wide))
+    covariances = np.empty((length, readings * readings, wide))
+    slope = np.empty(wide)
+    out = errors, covariances, slope
+    stages, cost = score_rows(sampled.at(0), slopes, samples.table, samples.steps[1], out)
+    if not stages:
+        return impossible
+    constant = 0.5 * np.count_nonzero(~np.isnan(samples.outputs)) * LOG_2_PI
+    rows = errors.reshape(-1, wide), covariances[:stages].reshape(-1, wide)
+    return Score(float(cost + constant), slope[:count] * problem.scale, (rows,))

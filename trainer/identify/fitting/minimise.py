@@ -1,0 +1,409 @@
+"""Minimisers of a cost: scoring with the information, then scipy's with the exact gradient.
+
+They move in coordinates without bounds, where the ends of variances, correlations and lags are far
+away and flat; everything else moves as it is. What they find is judged apart: a flat place is no
+minimum, and a variance that went to nothing is lifted again where the cost would fall.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Final, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config.extras import require_library
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.fitting.problem import Problem
+
+CLOSE: Final = 1e-8  # [-] of cost: what a quadratic model may still promise at the minimum
+LONGEST: Final = 2.0  # [-] step of a parameter with bounds
+FAR: Final = 30.0  # [-] from the origin, beyond which nothing changes
+NEAREST: Final = 0.999  # [-] correlation, or share of the interval, from which a search may start
+STIFFEST: Final = 1e12  # damping beyond which no step gets smaller
+SETTLED: Final = 1e-3  # [-] of cost: what a quadratic model may promise where a search has settled
+CURVED: Final = 1e-9  # [-] least eigenvalue of the scaled second derivatives at a minimum
+NEAR: Final = 1e-3  # [-] to an end of a lag or correlation
+GONE: Final = 1e-6  # [-] information of a bounded coordinate whose number is at an end
+ROUNDS: Final = 12  # of polishing, each judged
+POLISH: Final = ("BFGS", "trust-exact")  # scipy's, in turn
+LENGTHS: Final = (1.0, -1.0, 0.3, -0.3, 0.1, -0.1, 0.01, -0.01)  # of a step, tried in turn
+LEAST: Final = 1e-4  # [-] of cost that such a step must gain
+IMPOSSIBLE: Final = "the model is impossible beside it"
+UPHILL: Final = 10.0  # [-] of cost above the best known, where a model is impossible
+
+
+class Cost(Protocol):
+    """The quantity to minimise: minus a log-likelihood of a problem."""
+
+    @property
+    def problem(self) -> Problem:
+        """Return whose parameters these are."""
+
+    def value(self, theta: Numbers) -> float:
+        """Return the cost [-], infinite where the model is impossible."""
+
+    def slope(self, theta: Numbers) -> tuple[float, Numbers]:
+        """Return the cost [-] and its gradient (f,)."""
+
+    def information(self, theta: Numbers) -> Numbers:
+        """Return the expected second derivatives (f, f)."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """The end of a search. ``converged`` if it is a minimum, else ``doubt`` has the reason."""
+
+    theta: Numbers
+    cost: float
+    steps: int
+    converged: bool
+    doubt: str = ""
+
+
+Mask = NDArray[np.bool_]
+Progress = Callable[[Found], None]
+
+
+def unheard(found: Found) -> None:
+    """Take the news and do nothing."""
+    del found
+
+
+@dataclass(frozen=True)
+class Search:
+    """How long to search, and who is told of each step."""
+
+    most: int = 100  # steps
+    progress: Progress = field(default=unheard)
+
+
+@dataclass(frozen=True, eq=False)
+class Stretched:
+    """A cost in coordinates eta that are 0 at ``origin`` and have no bounds.
+
+    A variance is measured by its logarithm, a correlation by its inverse hyperbolic tangent, a lag
+    as a share of the interval by its logit: their ends are far away and flat.
+    """
+
+    cost: Cost
+    origin: Numbers  # (f,)
+
+    @cached_property
+    def bounded(self) -> NDArray[np.bool_]:
+        """Return which parameters have bounds (f,)."""
+        return np.array([kind != "free" for kind in self.cost.problem.kinds], bool)
+
+    @cached_property
+    def _kinds(self) -> NDArray[np.str_]:
+        return np.array(self.cost.problem.kinds, str)
+
+    @cached_property
+    def _positive(self) -> NDArray[np.bool_]:
+        return np.isin(self._kinds, ("variance", "error"))
+
+    def theta(self, eta: Numbers) -> Numbers:
+        """Return the parameters at ``eta``."""
+        scale, far = self.cost.problem.scale, np.clip(eta, -FAR, FAR)
+        floors = self.cost.problem.floors
+        positive = floors + (self.origin - floors) * np.exp(far)
+        found = np.where(self._positive, positive, self.origin + eta)
+        inside = np.clip(np.sin(self.origin * scale), -NEAREST, NEAREST)
+        angle = np.arcsin(np.tanh(np.arctanh(inside) + far)) / scale
+        found = np.where(self._kinds == "angle", angle, found)
+        lag = np.arcsin(self._share(far)) / scale
+        return np.where(self._kinds == "lag", lag, found)
+
+    def _share(self, far: Numbers) -> Numbers:
+        """Return lags as shares of the interval (f,)."""
+        sines = np.abs(np.sin(self.origin * self.cost.problem.scale))
+        inside = np.clip(sines, 1.0 - NEAREST, NEAREST)
+        return np.asarray(1.0 / (1.0 + np.exp(-(np.log(inside / (1.0 - inside)) + far))))
+
+    def rates(self, eta: Numbers) -> Numbers:
+        """Return d theta/d eta (f,)."""
+        scale, theta = self.cost.problem.scale, self.theta(eta)
+        found = np.where(self._positive, theta - self.cost.problem.floors, 1.0)
+        found = np.where(self._kinds == "angle", np.cos(theta * scale) / scale, found)
+        share = self._share(np.clip(eta, -FAR, FAR))
+        lag = share * np.sqrt((1.0 - share) / (1.0 + share)) / scale
+        return np.where(self._kinds == "lag", lag, found)
+
+    def slope(self, eta: Numbers) -> tuple[float, Numbers]:
+        """Return cost and gradient by eta."""
+        cost, gradient = self.cost.slope(self.theta(eta))
+        return cost, gradient * self.rates(eta)
+
+    def information(self, eta: Numbers) -> Numbers:
+        """Return the information by eta."""
+        rates = self.rates(eta)
+        return self.cost.information(self.theta(eta)) * np.outer(rates, rates)
+
+    def clipped(self, step: Numbers) -> Numbers:
+        """Return ``step`` with no bounded parameter going further than it may at once."""
+        return np.where(self.bounded, np.clip(step, -LONGEST, LONGEST), step)
+
+    def at_end(self, eta: Numbers) -> Mask:
+        """Return which numbers are at an end: variances anywhere, as they may grow (f,)."""
+        sine = np.abs(np.sin(self.theta(eta) * self.cost.problem.scale))
+        lag = (self._kinds == "lag") & (np.abs(sine - 0.5) > 0.5 - NEAR)
+        angle = (self._kinds == "angle") & (sine > 1.0 - NEAR)
+        return np.asarray(self._positive | lag | angle)
+
+    def end(self, eta: Numbers) -> Numbers:
+        """Return ``eta`` with nothing beyond where it has an effect."""
+        return np.where(self.bounded, np.clip(eta, -FAR, FAR), eta)
+
+    def newton(self, matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
+        """Return the step to a quadratic's minimum, bounded ones going no further than they may.
+
+        Where one would, it goes that far and the others to their minimum beside it: a variance on
+        its way to nothing holds nobody up.
+        """
+        step = np.zeros(len(gradient))
+        held = np.zeros(len(gradient), bool)
+        for _ in range(len(gradient)):
+            free = ~held
+            slope = gradient[free] + matrix[np.ix_(free, held)] @ step[held]
+            step[free] = _solve_damped(matrix[np.ix_(free, free)], damping, slope)
+            beyond = free & (self.clipped(step) != step)
+            if not beyond.any():
+                break
+            held |= beyond
+            step = np.where(held, self.clipped(step), step)
+        return step
+
+
+def stretch(cost: Cost, theta: Numbers) -> Stretched:
+    """Return ``cost`` about ``theta``; ConfigError for a free variance that starts at zero."""
+    problem = cost.problem
+    for name, kind, value in zip(problem.names, problem.kinds, theta, strict=True):
+        if kind in ("variance", "error") and value == 0.0:
+            raise ConfigError(f"{name}: a free variance cannot start at 0; give its usual size")
+    above = np.maximum(np.abs(theta), 1.01 * problem.floors)
+    return Stretched(cost, np.where(problem.floors > 0.0, above, theta))
+
+
+def _solve_damped(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
+    """Return -(matrix + damping diag)^-1 gradient, scaled by the diagonal; zero where that is."""
+    width = np.sqrt(np.maximum(np.diag(matrix), 0.0))
+    width[width == 0.0] = np.inf
+    scaled = matrix / np.outer(width, width) + damping * np.eye(len(width))
+    scaled[np.isinf(width), np.isinf(width)] = 1.0
+    step = np.linalg.lstsq(scaled, -gradient / width, rcond=1e-13)[0]
+    return np.asarray(step / width)
+
+
+class Place(NamedTuple):
+    """A place of a search, and the cost's shape there."""
+
+    eta: Numbers
+    value: float
+    gradient: Numbers
+    information: Numbers
+
+
+class Verdict(NamedTuple):
+    """The doubt about a place, empty if it is a minimum, and a lower place."""
+
+    doubt: str
+    better: Numbers | None = None
+
+
+def scoring(problem: Stretched, eta: Numbers, search: Search) -> tuple[Numbers, int]:
+    """Return where damped Gauss-Newton steps with the expected information lead, and their number.
+
+    They end where a quadratic promises nothing, or where no damping lowers the cost.
+    """
+    damping = 1e-3
+    here = Place(eta, *problem.slope(eta), problem.information(eta))
+    for step in range(search.most):
+        if not np.isfinite(here.information).all():
+            return here.eta, step
+        newton = problem.newton(here.information, 1e-9, here.gradient)
+        if 0.0 <= -0.5 * float(here.gradient @ newton) < CLOSE:
+            return here.eta, step
+        moved, damping = _damp_step(problem, here, damping)
+        if moved is None:
+            return here.eta, step
+        here = Place(moved, *problem.slope(moved), problem.information(moved))
+        search.progress(Found(problem.theta(moved), here.value, step + 1, converged=False))
+    return here.eta, search.most
+
+
+def _damp_step(problem: Stretched, here: Place, damping: float) -> tuple[Numbers | None, float]:
+    """Return the next eta and damping, more damping until the cost falls; None if it never does."""
+    gradient, information = here.gradient, here.information
+    while damping < STIFFEST:
+        step = problem.newton(information, damping, gradient)
+        promised = -float(gradient @ step + 0.5 * step @ information @ step)
+        gained = here.value - problem.cost.value(problem.theta(here.eta + step))
+        if promised > 0.0 and gained > 1e-4 * promised:
+            moved = problem.end(here.eta + step)
+            return moved, damping * (0.1 if gained > 0.5 * promised else 1.0)
+        damping = max(10.0 * damping, 1e-6)
+    return None, damping
+
+
+def judge(problem: Stretched, eta: Numbers) -> Verdict:
+    """Return whether ``eta`` is a minimum: no slope, curved upwards, ends where they are wanted."""
+    gradient = problem.slope(eta)[1]
+    size = np.diag(problem.information(eta))
+    if not (np.isfinite(gradient).all() and np.isfinite(size).all()):
+        return Verdict(IMPOSSIBLE)
+    gone = problem.bounded & (size < GONE)
+    for place in np.flatnonzero(gone & problem.at_end(eta)):
+        lifted = _lift(problem, eta, int(place), (gradient[place], size[place]))
+        if lifted is not None:
+            return Verdict(f"{problem.cost.problem.names[place]} wants off its end", lifted)
+    return _judge_shape(problem, eta, gradient, np.where(gone, 0.0, size))
+
+
+def _judge_shape(problem: Stretched, eta: Numbers, gradient: Numbers, size: Numbers) -> Verdict:
+    """Return whether ``eta`` is at a minimum of the coordinates whose ``size`` is not nothing.
+
+    The better place is that of Newton's step with every curvature taken as upwards.
+    """
+    curvature = second_derivatives(problem, eta, size)
+    free = (size > 0.0) & (np.diag(curvature) != 0.0)
+    curvature = curvature[np.ix_(free, free)]
+    if not np.isfinite(curvature).all():
+        return Verdict(IMPOSSIBLE)
+    width = np.sqrt(np.abs(np.diag(curvature)))
+    sizes, directions = np.linalg.eigh(curvature / np.outer(width, width))
+    along = directions.T @ (gradient[free] / width)
+    promised = 0.5 * float(np.sum(along**2 / np.maximum(np.abs(sizes), CURVED)))
+    step = np.zeros_like(eta)
+    if len(sizes) and sizes[0] < CURVED:
+        step[free] = directions[:, 0] / width
+        return Verdict(
+            "the second derivatives are not all positive",
+            _along(problem, eta, problem.clipped(step)),
+        )
+    if promised <= SETTLED:
+        return Verdict("")
+    step[free] = -directions @ (along / sizes) / width
+    return Verdict(
+        f"a step promises {promised:.2g} more", _along(problem, eta, problem.clipped(step))
+    )
+
+
+def _lift(
+    problem: Stretched, eta: Numbers, place: int, here: tuple[float, float]
+) -> Numbers | None:
+    """Return a lower place with one number taken off its end; None if there is none.
+
+    In its own measure a variance near nothing is linear in the cost: it goes to where its slope
+    ends, though its logarithm has no slope to see.
+    """
+    slope, size = here
+    if not size > 0.0 or slope * slope < 2.0 * SETTLED * size:
+        return None
+    unit = np.zeros_like(eta)
+    unit[place] = -math.copysign(math.log1p(abs(slope) / size), slope)
+    return _along(problem, eta, unit)
+
+
+def _along(problem: Stretched, eta: Numbers, direction: Numbers) -> Numbers | None:
+    """Return a place on a line that is lower by as much as matters; None if none was found."""
+    value = problem.cost.value(problem.theta(eta))
+    for length in LENGTHS:
+        tried = problem.end(eta + length * direction)
+        if problem.cost.value(problem.theta(tried)) < value - LEAST:
+            return tried
+    return None
+
+
+def second_derivatives(problem: Stretched, eta: Numbers, size: Numbers) -> Numbers:
+    """Return the second derivatives by eta (f, f): differences of the exact gradient.
+
+    Steps are 1/1000 of what each coordinate alone is known to, ``size`` (f,) the information.
+    """
+    known = size > np.finfo(float).tiny
+    steps = np.where(known, 1e-3 / np.sqrt(np.where(known, size, 1.0)), 1e-6)
+    steps = np.where(problem.bounded, np.minimum(steps, 1e-2), steps)
+    return curvature(lambda at: problem.slope(at)[1], eta, steps, np.ones_like(steps))
+
+
+def curvature(
+    slope: Callable[[Numbers], Numbers], at: Numbers, steps: Numbers, back: Numbers
+) -> Numbers:
+    """Return second derivatives (f, f) by differences of a gradient, ``steps`` (f,) ahead.
+
+    And ``back`` (f,) of a step behind.
+    """
+    columns = [
+        (slope(at + aside) - slope(at - one * aside)) / ((1.0 + one) * step)
+        for aside, step, one in zip(np.diag(steps), steps, back, strict=True)
+    ]
+    found = np.column_stack(columns)
+    return np.asarray(0.5 * (found + found.T))
+
+
+def scipy_search(
+    problem: Stretched, eta: Numbers, method: str, search: Search
+) -> tuple[Numbers, int]:
+    """Return where scipy's ``method`` leads, BFGS or trust-exact, and the number of its steps.
+
+    Coordinates are measured by what each alone is known to at ``eta``.
+    """
+    require_library("scipy", "identify")
+    from scipy.optimize import minimize  # noqa: PLC0415 - an extra, imported on use
+
+    size = np.diag(problem.information(eta))
+    width = 1.0 / np.sqrt(np.where(np.isfinite(size) & (size > 0.0), size, 1.0))
+    width = np.where(problem.bounded, np.minimum(width, 1.0), width)
+    best: tuple[float, Numbers] = (problem.cost.value(problem.theta(eta)), eta)
+
+    def slope(x: Numbers) -> tuple[float, Numbers]:
+        nonlocal best
+        value, gradient = problem.slope(eta + x * width)
+        if not (np.isfinite(value) and np.isfinite(gradient).all()):
+            return best[0] + UPHILL * (1.0 + abs(best[0])), np.zeros_like(x)
+        if value < best[0]:
+            best = value, eta + x * width
+        return value, gradient * width
+
+    def curvature(x: Numbers) -> Numbers:
+        found = problem.information(eta + x * width) * np.outer(width, width)
+        return found if np.isfinite(found).all() else np.eye(len(x))
+
+    def tell(x: Numbers) -> None:
+        search.progress(Found(problem.theta(eta + x * width), best[0], 0, converged=False))
+
+    more: dict[str, Any] = {"hess": curvature} if method == "trust-exact" else {}
+    with np.errstate(all="ignore"):
+        result: Any = minimize(
+            slope,
+            np.zeros_like(eta),
+            jac=True,
+            method=method,
+            callback=tell,
+            options={"maxiter": search.most},
+            **more,
+        )
+    return problem.end(best[1]), int(result.nit)
+
+
+def settle(problem: Stretched, eta: Numbers, search: Search, steps: int = 0) -> Found:
+    """Return the minimum beside ``eta``: judged, and searched on until nothing is wrong with it."""
+    verdict = judge(problem, eta)
+    for turn in range(ROUNDS):
+        if not verdict.doubt:
+            break
+        if verdict.better is not None:
+            eta, more = scoring(problem, verdict.better, search)
+        else:
+            eta, more = scipy_search(problem, eta, POLISH[turn % len(POLISH)], search)
+        steps += more
+        verdict = judge(problem, eta)
+    return judged(problem, eta, steps, verdict)
+
+
+def judged(problem: Stretched, eta: Numbers, steps: int, verdict: Verdict | None = None) -> Found:
+    """Return the place ``eta`` as it was found, judged, if it was not yet."""
+    verdict, theta = verdict or judge(problem, eta), problem.theta(eta)
+    return Found(theta, problem.cost.value(theta), steps, not verdict.doubt, verdict.doubt)

@@ -1,0 +1,241 @@
+"""Large manoeuvres from linear constants and the helm of steady turns (MI 12).
+
+H(r) = H1 r + H2 |r| r + H3 r^3 is the helm that holds the yaw rate r: Bech's reversed spiral. With
+H1 = 1/K, H2 = -kappa, H3 = 0 it is r - kappa K |r| r = K delta: kappa > 0 damps the stable ship
+(K < 0) and closes the loop of the unstable one (K > 0). All in SI, rad and s.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.nonlinear_steering import run_bent
+from trainer.identify.model.sampled import STEP
+from trainer.identify.record.measurements import Record
+
+FINE: Final = 0.05  # [-] of the smallest time constant: a step of Runge and Kutta
+CLOSE: Final = 1e-12  # [-] relative change at which a fit has come to its end
+ROUNDING: Final = 1e-12  # [rad] helm that is exact
+WORST: Final = 1e8  # [-] condition of derivatives from which numbers are not told apart
+LINEAR: Final = ("K", "T1", "T2", "T3")
+CURVE: Final = ("H1", "H2", "H3")
+SHAPES: Final = ((0,), (0, 1), (0, 2), (0, 1, 2))  # terms of H(r) that turns choose among
+
+
+@dataclass(frozen=True)
+class Bent:
+    """A ship with linear constants and kappa, or with ``H`` for 1/K, -kappa, 0."""
+
+    K: float  # [1/s]
+    T1: float  # [s]
+    T2: float  # [s]
+    T3: float  # [s]
+    kappa: float = 0.0  # [s^2]
+    delta_0: float = 0.0  # [rad] residual helm
+    H: tuple[float, float, float] | None = None  # [s], [s^2], [s^3]
+
+    @property
+    def curve(self) -> tuple[float, float, float]:
+        """Return H1 [s], H2 [s^2] and H3 [s^3]."""
+        return self.H or (1.0 / self.K, -self.kappa, 0.0)
+
+    @property
+    def numbers(self) -> Any:
+        """Return the constants as the kernels take them."""
+        return np.array([self.K, self.T1, self.T2, self.T3, *self.curve, self.delta_0])
+
+    @property
+    def loop(self) -> tuple[float, float, float] | None:
+        """Return an unstable ship's rate at zero helm [rad/s], and the spiral's fold (12.2).
+
+        The fold is a rate [rad/s] and a helm [rad]. None for a ship that has no loop.
+        """
+        H1, H2, H3 = self.curve
+        rate, fold = _least_root(H1, H2, H3), _least_root(H1, 2.0 * H2, 3.0 * H3)
+        if rate is None or fold is None:
+            return None
+        return rate, fold, abs(float(self.helm(np.array([fold]))[0]) - self.delta_0)
+
+    def helm(self, rate: Numbers) -> Numbers:
+        """Return the rudder [rad] that holds steady ``rate`` [rad/s] (12.1)."""
+        return np.asarray(_powers(rate) @ self.curve + self.delta_0)
+
+    def rates(self, helm: float) -> tuple[float, ...]:
+        """Return all yaw rates [rad/s] that are steady under a rudder [rad], rising (12.1).
+
+        Of three the middle one does not last.
+        """
+        H1, H2, H3 = self.curve
+        found = {
+            float(root.real) + 0.0
+            for side in (1.0, -1.0)
+            for root in np.roots([H3, side * H2, H1, self.delta_0 - helm])
+            if abs(root.imag) <= ROUNDING * abs(root) and side * root.real >= 0.0
+        }
+        return tuple(sorted(found))
+
+    def changed(self, names: Sequence[str], values: Sequence[Any]) -> "Bent":
+        """Return the ship with other numbers by name, of LINEAR, kappa, delta_0 or CURVE."""
+        told = dict(zip(names, values, strict=True))
+        curve = [told.pop(name, own) for name, own in zip(CURVE, self.curve, strict=True)]
+        whole = any(name in CURVE for name in names) or self.H is not None
+        return replace(self, H=(curve[0], curve[1], curve[2]) if whole else None, **told)
+
+
+def _least_root(a: float, b: float, c: float) -> float | None:
+    """Return the least positive root of a + b x + c x^2; None if there is none."""
+    roots = np.roots([c, b, a])
+    found = [float(x.real) for x in roots if abs(x.imag) <= ROUNDING * abs(x) and x.real > 0.0]
+    return min(found, default=None)
+
+
+def _powers(rate: Numbers) -> Numbers:
+    """Return r, |r| r and r^3 (n, 3)."""
+    return np.column_stack([rate, np.abs(rate) * rate, rate**3])
+
+
+def predict(ship: Bent, rudder: Numbers, step: float, start: Numbers) -> Numbers:
+    """Return yaw rate [rad/s] and heading [rad] (n, 2) under ``rudder`` (n,) [rad].
+
+    ``start``: yaw rate and heading at the first sample; the ship is in steady change there.
+    """
+    return np.asarray(_run(ship, rudder, step, start.astype(complex))[:, 1:].real)
+
+
+def _run(
+    ship: Bent, rudder: Numbers, step: float, start: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Return (z, r, psi) at each sample (n, 3); r' is zero at the first."""
+    numbers = ship.numbers.astype(complex)
+    K, T1, T2, T3 = numbers[:4]
+    z = (T1 + T2) * start[0] - K * T3 * (rudder[0] - numbers[7])
+    fastest = FINE * min(abs(T1.real), abs(T2.real))
+    parts = max(1, math.ceil(min(step / fastest, 1e4)))
+    out = np.empty((len(rudder), 3), complex)
+    run_bent(numbers, np.array([z, *start]), rudder, step, parts, out)
+    return out
+
+
+@dataclass(frozen=True)
+class Bend:
+    """A ship with the numbers that were found, and their standard deviations, SI."""
+
+    source: str
+    ship: Bent
+    deviations: dict[str, float]
+    rms: float  # what is left: of helm [rad] by turns, of yaw rate [rad/s] by a record
+    rate_0: float | None = None  # [rad/s] at the start of the record; None by turns
+
+
+def curve_from_turns(ship: Bent, source: str, rudder: Numbers, rate: Numbers) -> Bend:
+    """Return ``ship`` with the H(r) of steady turns, a spiral or turning circles (12.1).
+
+    ``rudder`` (n,) [rad] and ``rate`` (n,) [rad/s]; least squares in helm with a residual helm, of
+    the terms that Schwarz's criterion chooses. ConfigError with fewer than four turns.
+    """
+    known = ~np.isnan(rate) & ~np.isnan(rudder)
+    rate, rudder = rate[known], rudder[known]
+    if len(np.unique(rate)) < 4:
+        raise ConfigError(f"{source}: H(r) needs four steady turns or more; it has {len(rate)}")
+    tried = [_regress(shape, rudder, rate) for shape in SHAPES if len(shape) + 1 < len(rate)]
+    _, names, values, deviations, rms = min(tried, key=lambda one: one[0])
+    turned = ship.changed(CURVE, (0.0, 0.0, 0.0)).changed(names, list(map(float, values)))
+    return Bend(source, turned, dict(zip(names, map(float, deviations), strict=True)), rms)
+
+
+def _regress(
+    shape: tuple[int, ...], rudder: Numbers, rate: Numbers
+) -> tuple[float, list[str], Numbers, Numbers, float]:
+    """Return Schwarz's criterion, names, numbers, deviations and rms of helm [rad] of a shape."""
+    count, scale = len(rate), float(np.max(np.abs(rate)))
+    terms = np.column_stack([_powers(rate / scale)[:, shape], np.ones(count)])
+    found = np.linalg.lstsq(terms, rudder, rcond=None)[0]
+    square = max(float(np.sum((rudder - terms @ found) ** 2)), count * ROUNDING**2)
+    variance = square / (count - len(found)) * np.diag(np.linalg.pinv(terms.T @ terms))
+    unit = np.array([*(scale ** -(place + 1.0) for place in shape), 1.0])
+    names = [*(CURVE[place] for place in shape), "delta_0"]
+    criterion = count * math.log(square / count) + len(found) * math.log(count)
+    return criterion, names, found * unit, np.sqrt(variance) * unit, math.sqrt(square / count)
+
+
+@dataclass(frozen=True, eq=False)
+class _Records:
+    """Yaw rates to be predicted by a ship whose numbers ``free`` are sought.
+
+    They are common to all records; each has a yaw rate at its start and a residual helm of its own.
+    """
+
+    ship: Bent
+    records: Sequence[Record]
+    free: tuple[str, ...]
+
+    @property
+    def start(self) -> Numbers:
+        """Return the numbers to begin from (p,): the ship's own."""
+        names, numbers = (*LINEAR, *CURVE, "kappa"), (*self.ship.numbers[:7], self.ship.kappa)
+        told = dict(zip(names, numbers, strict=True))
+        rates = [record.column("yaw_rate") for record in self.records]
+        own = [x for rate in rates for x in (rate[~np.isnan(rate)][0], self.ship.delta_0)]
+        return np.array([*(told[name] for name in self.free), *own])
+
+    def errors(self, theta: Any) -> NDArray[np.complex128]:
+        """Return what is left of the known yaw rates, record by record."""
+        count, left = len(self.free), []
+        for i, record in enumerate(self.records):
+            first, helm = theta[count + 2 * i : count + 2 * i + 2]
+            ship = self.ship.changed([*self.free, "delta_0"], [*theta[:count], helm])
+            start = np.array([first, 0.0], complex)
+            with np.errstate(all="ignore"):  # of trials that go astray
+                run = _run(ship, record.column("rudder"), record.interval, start)
+            rate = record.column("yaw_rate")
+            left.append((rate - run[:, 1])[~np.isnan(rate)])
+        return np.concatenate(left)
+
+    def value(self, theta: Numbers) -> Numbers:
+        """Return the errors (n,) [rad/s]."""
+        return np.asarray(self.errors(theta).real)
+
+    def slopes(self, theta: Numbers) -> Numbers:
+        """Return their exact derivatives (n, p)."""
+        aside = theta + 1j * STEP * np.eye(len(theta))
+        return np.column_stack([self.errors(row).imag / STEP for row in aside])
+
+
+def bend_from_records(
+    ship: Bent, records: Sequence[Record], free: tuple[str, ...] = ("kappa",)
+) -> Bend:
+    """Return ``ship`` with the numbers ``free`` that predict the yaw rates of records best.
+
+    Errors are taken for white and of one size. The residual helm returned is the last record's.
+    ConfigError if an interval varies, or the records do not tell the numbers.
+    """
+    from scipy.optimize import least_squares  # noqa: PLC0415 - an extra, imported on use
+
+    for record in records:
+        if np.ptp(np.diff(record.t)) > 1e-6 * record.interval:
+            raise ConfigError(f"{record.source}: H(r) is fitted at one interval; this one varies")
+    asked, source = _Records(ship, records, free), records[-1].source
+    with np.errstate(all="ignore"):
+        found = least_squares(
+            asked.value, asked.start, asked.slopes, x_scale="jac", xtol=CLOSE, ftol=CLOSE, gtol=None
+        )
+    size = np.linalg.norm(found.jac, axis=0)
+    unit = found.jac / np.maximum(size, 1e-300)
+    if not found.success or np.linalg.cond(unit) > WORST:
+        raise ConfigError(f"{source}: this record does not tell {', '.join(free)}")
+    variance = 2.0 * found.cost / max(len(found.fun) - len(size), 1)
+    widths = np.sqrt(variance * np.diag(np.linalg.inv(unit.T @ unit))) / size
+    names, places = [*free, "delta_0"], [*range(len(free)), -1]
+    return Bend(
+        source,
+        ship.changed(names, [float(found.x[place]) for place in places]),
+        {name: float(widths[place]) for name, place in zip(names, places, strict=True)},
+        math.sqrt(2.0 * found.cost / len(found.fun)),
+        float(found.x[-2]),
+    )

@@ -1,0 +1,181 @@
+"""The problem of estimation: some of a model's parameters, from some samples."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.kernel import Entries
+from trainer.identify.model.models import Plant
+from trainer.identify.model.sampled import Sampled, aside, sample
+from trainer.identify.record.measurements import Samples
+
+LEAST: Final = 1e-4  # [-] of its start: what an error's variance is not estimated below
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """Another record of the same ship: at which speed, and where its own parameters start."""
+
+    plant: Plant
+    samples: Samples
+    values: Numbers  # (n,)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Estimate the parameters at the places ``free``; the others stay as in ``values``.
+
+    ``scale`` (f,): a free parameter is its scale times the number that a minimiser moves.
+    ``sampling`` is that of sampled.sample. ``first`` (x,) is an initial state instead of the
+    parameters' own.
+
+    ``others`` are further runs. Of the free parameters those at the places ``own`` are each run's
+    own: after the free ones (f,) of the first run come theirs, run by run. All else is common.
+    """
+
+    plant: Plant
+    samples: Samples
+    values: Numbers  # (n,)
+    free: tuple[int, ...]
+    scale: Numbers  # (f,)
+    sampling: str = "instantaneous"
+    first: Numbers | None = None
+    others: tuple[Run, ...] = ()
+    own: tuple[int, ...] = ()
+
+    @cached_property
+    def estimated(self) -> tuple[tuple[int, int], ...]:
+        """Return run, from 0 on, and place of each number that is estimated."""
+        further = ((i, place) for i in range(1, 1 + len(self.others)) for place in self.own)
+        return (*((0, place) for place in self.free), *further)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Return the names of what is estimated."""
+        names = self.plant.model.names
+        return tuple(
+            names[place] + (f" of run {run + 1}" if run else "") for run, place in self.estimated
+        )
+
+    @cached_property
+    def kinds(self) -> tuple[str, ...]:
+        """Return how each of them is bounded."""
+        parameters = self.plant.model.parameters
+        return tuple(parameters[place].kind for _, place in self.estimated)
+
+    @property
+    def start(self) -> Numbers:
+        """Return what is estimated as it stands in ``values``, scaled."""
+        values = [self.values, *(run.values for run in self.others)]
+        return np.array([values[run][place] for run, place in self.estimated]) / self.scale
+
+    @cached_property
+    def runs(self) -> tuple[tuple["Problem", NDArray[np.int64]], ...]:
+        """Return the problem of each run alone, and the places of its numbers among all."""
+        count, size = len(self.free), len(self.own)
+        found = []
+        for i, run in enumerate((Run(self.plant, self.samples, self.values), *self.others)):
+            at = np.arange(count)
+            if i:
+                at[[self.free.index(place) for place in self.own]] = (
+                    count + (i - 1) * size + np.arange(size)
+                )
+            values = self.values.copy()
+            values[list(self.own)] = run.values[list(self.own)]
+            alone = replace(
+                self,
+                plant=run.plant,
+                samples=run.samples,
+                values=values,
+                scale=self.scale[at],
+                others=(),
+            )
+            found.append((alone, at))
+        return tuple(found)
+
+    @property
+    def counted(self) -> int:
+        """Return how many samples of all runs have a reading."""
+        return sum(run.samples.counted for run, _ in self.runs)
+
+    @cached_property
+    def floors(self) -> Numbers:
+        """Return the least a search takes each parameter for (f,), zero where there is none.
+
+        Errors of readings have one, a share of their start: a reading that another one could
+        replace, or the first one of a state that is free, would be believed exact, and the
+        likelihood be without end.
+        """
+        errors = np.array([kind == "error" for kind in self.kinds], bool)
+        return np.where(errors, LEAST * np.abs(self.start), 0.0)
+
+    def collapsed(self, theta: Numbers) -> tuple[str, ...]:
+        """Return the names of the errors that ``theta`` (f,) has on their floor."""
+        low = (self.floors > 0.0) & (np.abs(theta) < 2.0 * self.floors)
+        return tuple(name for name, is_low in zip(self.names, low, strict=True) if is_low)
+
+    def whole(self, theta: Numbers) -> Numbers:
+        """Return all parameters (n,) of the first run, the free ones from ``theta``."""
+        values, count = self.values.copy(), len(self.free)
+        values[list(self.free)] = (theta * self.scale)[:count]
+        return values
+
+    def folded(self, theta: Numbers) -> Numbers:
+        """Return ``theta`` (f,) with each number at the first place that means the same model.
+
+        Variances and lags positive, angles between -pi/2 and pi/2.
+        """
+        values = theta * self.scale
+        angles = np.arcsin(np.sin(values))
+        kinds = np.array(self.kinds)
+        values = np.where(kinds == "angle", angles, values)
+        values = np.where(kinds == "lag", np.abs(angles), values)
+        return np.where(np.isin(kinds, ("variance", "error")), np.abs(values), values) / self.scale
+
+    def sampled(self, theta: Numbers) -> Sampled:
+        """Return the sampled systems of ``theta`` (f,): one row."""
+        return self._sample(self.whole(theta)[None])
+
+    def sloped(self, theta: Numbers) -> Sampled:
+        """Return the sampled systems of ``theta`` and, in rows 1 on, their slopes by each."""
+        return self._sample(aside(self.whole(theta), self.free))
+
+    def _sample(self, rows: Entries) -> Sampled:
+        blocks = self.plant.blocks(rows)
+        if self.first is not None:
+            blocks.start[:, :, 0] = self.first
+        return sample(blocks, self.samples.steps[0], self.sampling)
+
+    def fastest(self, theta: Numbers) -> float:
+        """Return the shortest time constant [s] of the model, infinite if nothing moves.
+
+        The matrices of one step tell none.
+        """
+        if self.sampling == "discrete":
+            return math.inf
+        states = self.plant.model.states
+        drift = self.plant.blocks(self.whole(theta)[None]).drift[0, :states, :states]
+        if not np.isfinite(drift).all():
+            return 0.0
+        rate = float(np.max(np.abs(np.linalg.eigvals(drift))))
+        return 1.0 / rate if rate > 0.0 else math.inf
+
+    def on(self, samples: Samples) -> "Problem":
+        """Return the same question to other samples."""
+        return replace(self, samples=samples)
+
+
+def problem_of(
+    plant: Plant, samples: Samples, values: Numbers, free: Sequence[str | int]
+) -> Problem:
+    """Return the problem of estimating ``free``, by name or place, unscaled."""
+    model = plant.model
+    names = (model.names[one] if isinstance(one, int) else one for one in free)
+    places = model.places(names)
+    return Problem(plant, samples, values, places, np.ones(len(places)))

@@ -1,0 +1,170 @@
+"""Where an estimate starts: the parameters of a model before its record has spoken.
+
+Model 1's ship comes from a vessel file or the study; those of yaw and sway alone from a regression
+on the record. Errors start as what two neighbours differ by, disturbances as a tenth of the motion.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.model.models import UNITS, Plant
+from trainer.identify.model.nomoto import rate_coefficients
+from trainer.identify.record.measurements import Record
+from trainer.identify.record.study_records import ParameterRow
+
+RESTLESS: Final = 0.1  # [-] of the yaw rate, that disturbances start as
+SMALLEST: Final = {"sway": 1e-3, "yaw_rate": 1e-3, "heading": 1e-3}  # errors [kn], [deg/s], [deg]
+ACCELERATIONS: Final = ("m11", "m12", "m21", "m22")
+DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
+FREE: Final[Mapping[str, tuple[str, ...]]] = {  # beside errors and the initial state
+    "1": (*DERIVATIVES, "Y_0", "N_0", "R1_Y", "R1_N"),
+    "2": ("a1", "a2", "c1", "c2", "f2", "R1_1", "R1_2"),
+    "3": ("a1", "a2", "b1", "b2", "f1", "R1_1", "R1_2"),
+    "nomoto1": ("K", "T", "delta_0", "R1_r"),
+    "nomoto2": ("a1", "a2", "b1", "b2", "delta_0", "R1_1", "R1_2"),
+}
+TURNING: Final = {"yaw_rate": "R2_r", "heading": "R2_psi"}
+ERRORS: Final[Mapping[str, Mapping[str, str]]] = {  # of what is read
+    "1": {"sway": "R2_v1", "bow_sway": "R2_v1", "stern_sway": "R2_v2", **TURNING},
+    "2": {"sway": "R2_v"},
+    **dict.fromkeys(("3", "nomoto1", "nomoto2"), TURNING),
+}
+STATES: Final[Mapping[str, tuple[tuple[str, str], ...]]] = {  # initial state: what reads it
+    "1": (("x1_0", "sway"), ("x2_0", "yaw_rate"), ("x3_0", "heading")),
+    "2": (("x1_0", "sway"), ("x2_0", "")),
+    "3": (("x1_0", ""), ("x2_0", "yaw_rate"), ("x3_0", "heading")),
+    "nomoto1": (("x1_0", "yaw_rate"), ("x2_0", "heading")),
+    "nomoto2": (("x1_0", ""), ("x2_0", "yaw_rate"), ("x3_0", "heading")),
+}
+DISTURBANCES: Final = ("R1_Y", "R1_N", "R1_1", "R1_2", "R1_r")
+
+
+def free_names(plant: Plant, rows: Sequence[ParameterRow]) -> tuple[str, ...]:
+    """Return the parameters to estimate: the model's usual ones, as ``rows`` have it otherwise.
+
+    A heading that is not read is not told by the others: its start stays as it is.
+    """
+    model = plant.model
+    names = list(FREE[model.name])
+    names += dict.fromkeys(ERRORS[model.name][output] for output in plant.outputs)
+    heading = "heading" in plant.outputs
+    names += [name for name, channel in STATES[model.name] if channel != "heading" or heading]
+    chosen = set(model.places(names))
+    for word, change in (("yes", chosen.update), ("no", chosen.difference_update)):
+        change(model.places(row.name for row in rows if row.free == word))
+    return tuple(name for place, name in enumerate(model.names) if place in chosen)
+
+
+def start_values(
+    plant: Plant, record: Record, ship: Mapping[str, float], rows: Sequence[ParameterRow]
+) -> Numbers:
+    """Return all parameters (n,) to start from; ``ship`` has those known of the ship.
+
+    ConfigError naming those of Model 1 that neither ``ship`` nor ``rows`` give.
+    """
+    model = plant.model
+    told = dict(ship) if model.name == "1" else {}
+    given = {row.name: row.start for row in rows if row.start is not None}
+    shown = _regress(plant, record) | _read(plant, record)
+    values = model.vector(**shown | {name: given[name] for name in model.given if name in given})
+    for name in given.keys() - set(model.given):
+        told[model.names[model.place(name)]] = given[name]
+    for name, value in told.items():
+        values[model.place(name)] = value
+    if model.name == "1":
+        _check_ship(told)
+    _disturb(plant, record, values, told)
+    return values
+
+
+def _check_ship(told: Mapping[str, float]) -> None:
+    """Check that Model 1 has its ship; ConfigError naming what lacks."""
+    lacking = [name for name in (*ACCELERATIONS, *DERIVATIVES) if name not in told]
+    if lacking:
+        raise ConfigError(
+            f"model 1 lacks a start for {', '.join(lacking)}: give a vessel, or [[parameters]]; "
+            "m11 to m22 cannot be estimated, the others start from a similar ship"
+        )
+
+
+def _read(plant: Plant, record: Record) -> dict[str, float]:
+    """Return initial state and variances of errors as the record shows them."""
+    kind = plant.model.name
+    found = {}
+    for output in plant.outputs:
+        values = record.column(output) * UNITS[output][1]
+        known = values[~np.isnan(values)]
+        least = SMALLEST.get(output, SMALLEST["sway"])
+        rough = np.diff(known, 3) / math.sqrt(20.0)  # white noise of unit variance has 20
+        found[ERRORS[kind][output]] = max(float(np.var(rough)), least**2)
+    for name, channel in STATES[kind]:
+        if channel and channel in record.channels:
+            values = record.column(channel) * UNITS[channel][1]
+            found[name] = float(values[~np.isnan(values)][0])
+    return found
+
+
+def _regress(plant: Plant, record: Record) -> dict[str, float]:
+    """Return the ship of yaw or sway alone by regression on the record; () for Model 1."""
+    kind = plant.model.name
+    if kind == "1":
+        return {}
+    k = plant.ship.speed / plant.ship.length
+    gain, T = first_order(record, "sway" if kind == "2" else "yaw_rate")
+    T2, T3 = T / 8.0, T / 4.0  # of many ships
+    T1 = T + T3 - T2
+    if kind == "nomoto1":
+        return {"K": gain, "T": T}
+    if kind == "nomoto2":
+        return {"K": gain, "T1": T1, "T2": T2, "T3": T3}
+    a1, a2, b1, b2 = rate_coefficients(gain, T1, T2, T3)
+    told = {"a1": a1 / k, "a2": a2 / k**2}
+    if kind == "3":
+        return told | {"b1": b1 / k**2, "b2": b2 / k**3}
+    V = plant.ship.speed
+    return told | {"c1": b1 / (k * V), "c2": b2 / (k**2 * V)}
+
+
+def first_order(record: Record, channel: str) -> tuple[float, float]:
+    """Return gain and time constant [s] of rudder to a channel by least squares, SI.
+
+    A yaw rate that was not read is that of the heading.
+    """
+    values = record.column("turning" if channel == "yaw_rate" else channel)
+    rudder, step = record.column("rudder"), record.interval
+    usual = np.abs(np.diff(record.t) - step) < 0.01 * step
+    good = usual & ~np.isnan(values[1:]) & ~np.isnan(values[:-1])
+    if np.count_nonzero(good) < 4:
+        raise ConfigError(f"{record.source}: {channel} has too few neighbouring values to start")
+    regressors = np.column_stack([values[:-1], rudder[:-1], np.ones(len(rudder) - 1)])[good]
+    p, b, _ = np.linalg.lstsq(regressors, values[1:][good], rcond=None)[0]
+    p = min(max(float(p), 0.2), 0.99)
+    return float(b) / (1.0 - p), -step / math.log(p)
+
+
+def _disturb(plant: Plant, record: Record, values: Numbers, told: Mapping[str, float]) -> None:
+    """Write the densities of disturbance that make a tenth of the motion, unless they are told."""
+    model = plant.model
+    names = [name for name in DISTURBANCES if name in model.names and name not in told]
+    if not names:
+        return
+    for name in names:
+        values[model.place(name)] = 1.0
+    noise = plant.blocks(values[None]).noise[0]
+    place = 0 if model.name in ("nomoto1", "2") else 1
+    channel = "sway" if model.name == "2" else "yaw_rate"
+    motion = _motion(record, channel)
+    density = (RESTLESS * motion) ** 2 / max(noise[place, place], 1e-300) / (5.0 * record.interval)
+    for name in names:
+        values[model.place(name)] = density
+
+
+def _motion(record: Record, channel: str) -> float:
+    """Return the usual size of a channel, SI."""
+    values = getattr(record, channel)
+    return float(np.nanstd(record.column("turning")[:-1] if values is None else values)) or 1e-6

@@ -1,0 +1,188 @@
+"""The problem that a study poses: model and ship, runs, free parameters, cost."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
+from trainer.core.kernel import Numbers
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.minimise import Cost
+from trainer.identify.fitting.prediction_error import (
+    Innovations,
+    MultiStep,
+    no_gain,
+    own_gain,
+    settled_gain,
+)
+from trainer.identify.fitting.problem import Problem, Run, problem_of
+from trainer.identify.fitting.start_values import free_names, start_values
+from trainer.identify.model.models import MODELS, Model, Plant, Ship
+from trainer.identify.model.own_systems import NOISE, System, model_of
+from trainer.identify.model.steering import Steering, steering
+from trainer.identify.record.measurements import Record, check_count, samples_of
+from trainer.identify.record.study import Study, speed_of, studies_of
+from trainer.identify.record.study_records import ModelTable, ParameterRow
+
+NO_SHIP: Final = Ship(1.0, 1.0)  # of a user's own system, which has its own units
+UNMODELLED: Final = {  # noise models do not have these: the errors' covariance is concentrated out
+    "output-error": ("R1", "R2"),
+    "innovations": ("R2_psi", "R2_v1", "R2_v"),
+}
+
+
+def pose_problem(
+    study: Study, record: Record, others: Sequence[Record] = (), *, fixed: bool = True
+) -> tuple[Problem, Steering | None]:
+    """Return the problem of a study, and the ship of its vessel file.
+
+    ConfigError for what it lacks. Unless ``fixed``, what is held counts as free, and samples are
+    not counted.
+    """
+    table, studies = table_of(study), studies_of(study)
+    plant, own = _plant_of(study, record)
+    known = own.prime if own else {}
+    rows = study.parameters if fixed else tuple(replace(x, free=None) for x in study.parameters)
+    free = _estimated(study, plant, rows)
+    if not free:
+        raise ConfigError(
+            f'{study.path.name}: every parameter is fixed, free = "no": nothing is left to estimate'
+        )
+    inputs = ("rudder",) if study.system is None else study.system.inputs
+    runs = []
+    for one, seen in zip(studies, (record, *others), strict=True):
+        speed = NO_SHIP.speed if one.system is not None else speed_of(one, seen)
+        at = replace(plant, ship=replace(plant.ship, speed=speed))
+        values = _start(one, at, seen, known)
+        runs.append(Run(at, samples_of(seen, plant.outputs, inputs), values))
+    samples, values = runs[0].samples, runs[0].values
+    problem = problem_of(plant, samples, values, free)
+    scale = [_scale(study, plant, place) for place in problem.free]
+    sampling = table.measurement or "instantaneous"
+    if study.system is not None and study.system.discrete:
+        sampling = "discrete"
+        _check_interval(study, runs)
+    places = _of_each_run(plant.model, rows, problem.free) if others else ()
+    scale += [scale[problem.free.index(place)] for place in places] * len(others)
+    problem = replace(
+        problem,
+        scale=np.array(scale),
+        sampling=sampling,
+        others=tuple(runs[1:]),
+        own=places,
+    )
+    if fixed:
+        check_count(record, problem.counted, len(problem.names))
+    return problem, own
+
+
+def _plant_of(study: Study, record: Record) -> tuple[Plant, Steering | None]:
+    """Return the model of a study's ship, and the ship of its vessel file; ConfigError."""
+    table = table_of(study)
+    if study.system is not None:
+        return Plant(model_of(study.system), NO_SHIP, table.outputs, record.interval), None
+    if study.ship is None:
+        raise ConfigError(f"{study.path.name}: lacks [ship]: say --length or --vessel")
+    speed, ship = speed_of(study, record), study.ship
+    scales = Ship(ship.length_m, speed, ship.bow_log_m or 0.0, ship.stern_log_m or 0.0)
+    own = steering(load_vessel(ship.vessel), speed) if ship.vessel else None
+    return Plant(MODELS[table.kind], scales, table.outputs, record.interval), own
+
+
+def _start(study: Study, plant: Plant, record: Record, ship: Mapping[str, float]) -> Numbers:
+    """Return all parameters (n,) that a run starts from."""
+    if study.system is None:
+        return start_values(plant, record, ship, study.parameters)
+    values = study.system.starts.copy()
+    for row in study.parameters:
+        place = plant.model.place(row.name)
+        values[place] = values[place] if row.start is None else row.start
+    return values
+
+
+def _estimated(study: Study, plant: Plant, rows: Sequence[ParameterRow]) -> list[str]:
+    """Return the names of the parameters to estimate."""
+    dropped, asked = dropped_names(study, plant), {row.name for row in rows if row.free == "yes"}
+    names = free_names(plant, rows) if study.system is None else _own_free(study.system, rows)
+    return [name for name in names if name in asked or name not in dropped]
+
+
+def _own_free(system: System, rows: Sequence[ParameterRow]) -> list[str]:
+    """Return the free parameters of a user's own system."""
+    said = {row.name: row.free for row in rows if row.free is not None}
+    names = (one.name for one in system.parameters)
+    return [x for x in names if said.get(x, "no" if x in system.held else "yes") == "yes"]
+
+
+def dropped_names(study: Study, plant: Plant) -> tuple[str, ...]:
+    """Return the parameters that the noise model does not have."""
+    noise = table_of(study).noise or ""
+    if study.system is None:
+        return tuple(x for x in plant.model.names if x.startswith(UNMODELLED.get(noise, ("?",))))
+    if noise == "innovations" and not study.system.has_gain:
+        return study.system.only_in({"R2"})[:1]
+    return study.system.only_in(NOISE) if noise in UNMODELLED else ()
+
+
+def _of_each_run(
+    model: Model, rows: Sequence[ParameterRow], free: Sequence[int]
+) -> tuple[int, ...]:
+    """Return the places of the free parameters that each run has for itself."""
+    own = set(model.of_each_run)
+    for row in rows:
+        if row.per_run is not None:
+            (own.add if row.per_run == "yes" else own.discard)(model.names[model.place(row.name)])
+    return tuple(place for place in free if model.names[place] in own)
+
+
+def _check_interval(study: Study, runs: Sequence[Run]) -> None:
+    """Check that all samples are one interval apart; ConfigError."""
+    steps = {round(float(step), 6) for run in runs for step in run.samples.steps[0]}
+    if len(steps) > 1:
+        raise ConfigError(
+            f"{study.path.name}: matrices of one step need one interval; there are {len(steps)}: "
+            "fill the gaps with rows without readings, or write a continuous system"
+        )
+
+
+def table_of(study: Study) -> ModelTable:
+    """Return the model of a study; ConfigError if it has none."""
+    if study.model is None:
+        raise ConfigError(f"{study.path.name}: lacks [model]: say --model")
+    return study.model
+
+
+def _scale(study: Study, plant: Plant, place: int) -> float:
+    """Return the scale of a parameter."""
+    for row in study.parameters:
+        if row.scale is not None and place in plant.model.places((row.name,)):
+            return row.scale
+    return 1.0
+
+
+def cost_of(problem: Problem, table: ModelTable) -> Cost:
+    """Return what the study wants minimised; ConfigError for what does not go together."""
+    noise, own = table.noise or "covariance", problem.plant.model.system
+    steps = int(table.predict_from or 1), int(table.predict_to or 1)
+    if noise != "covariance":
+        if steps != (1, 1):
+            raise ConfigError(f"predict_to goes with noise covariance, not with {noise}")
+        gains = no_gain if noise == "output-error" else settled_gain
+        gave = own is not None and problem.sampled(problem.start).gain is not None
+        return Innovations(problem, own_gain if gave and gains is settled_gain else gains)
+    if steps[1] < steps[0]:
+        raise ConfigError(f"predict_to = {steps[1]}: must be at least predict_from = {steps[0]}")
+    return Likelihood(problem) if steps == (1, 1) else MultiStep(problem, *steps)
+
+
+def settings(table: ModelTable) -> dict[str, Any]:
+    """Return what was asked of the model, defaults filled in."""
+    return {
+        "noise": table.noise or "covariance",
+        "measurement": table.measurement or "instantaneous",
+        "method": table.method or "scoring",
+        "system": table.system or "prime",
+    }

@@ -1,0 +1,1 @@
+"""The worth of a fit: residuals, uncertainty, other models and other records."""

@@ -1,0 +1,130 @@
+"""The worth of a record before it is taken: standard deviations by the information matrix."""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.config.sensors import Sensors
+from trainer.core.kernel import Numbers
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.problem import problem_of
+from trainer.identify.fitting.start_values import ERRORS, STATES, free_names
+from trainer.identify.judge.propagation import propagate
+from trainer.identify.judge.uncertainty import uncertainty
+from trainer.identify.model.derived import quantities, quantity_units
+from trainer.identify.model.models import MODELS, UNITS, Plant, Ship
+from trainer.identify.model.steering import Steering
+from trainer.identify.record.measurements import Record, samples_of
+
+HOPELESS: Final = 100.0  # times a parameter's size: known no better, it is not known at all
+LEVER: Final = 0.25  # [-] of the length: at which the sea's force makes its moment
+
+
+@dataclass(frozen=True)
+class Reading:
+    """The instruments of the ship, and the sea's own yaw rate [deg/s] rms."""
+
+    sensors: Sensors
+    unrest_deg_s: float
+
+
+@dataclass(frozen=True)
+class Prospect:
+    """Expected values and standard deviations of a record, by name, in SI and prime.
+
+    Model 1 where sway is read; without it only rudder to yaw can be told.
+    """
+
+    model: str
+    samples: int
+    interval_s: float
+    values: dict[str, float]
+    deviations: dict[str, float]
+
+
+def prospect(
+    steering: Steering, record: Record, outputs: tuple[str, ...], read: Reading
+) -> Prospect:
+    """Return what would be known from such a record of such a ship.
+
+    ConfigError if the record cannot separate the parameters.
+    """
+    kind = "1" if "sway" in outputs else "nomoto2"
+    model = MODELS[kind]
+    plant = Plant(model, Ship(steering.length, steering.speed), outputs, record.interval)
+    values = model.vector(**_ship(steering, kind), **_sensors(read.sensors, kind))
+    for name, channel in STATES[kind]:
+        if channel:
+            values[model.place(name)] = float(record.column(channel)[0]) * UNITS[channel][1]
+    sea = _sea(steering, kind)
+    for name, share in sea.items():
+        values[model.place(name)] = share
+    density = _density(plant, values, math.radians(read.unrest_deg_s))
+    for name in sea:
+        values[model.place(name)] *= density
+    free = [name for name in free_names(plant, ()) if name not in sea or density > 0.0]
+    problem = problem_of(plant, samples_of(record, outputs), values, free)
+    known = uncertainty(problem.names, Likelihood(problem).information(problem.start))
+    spread = np.sqrt(np.diag(known.covariance)) / np.maximum(np.abs(problem.start), 1.0)
+    hopeless = [(name,) for name, one in zip(problem.names, spread, strict=True) if one > HOPELESS]
+    if lost := known.flat or hopeless:
+        told = "; ".join(" with ".join(group) for group in lost)
+        raise ConfigError(f"such a record cannot separate {told}")
+    found = propagate(
+        lambda theta: quantities(plant, problem.whole(theta)),
+        problem.start,
+        known.covariance,
+    )
+    names = quantity_units(model)
+    return Prospect(
+        model=kind,
+        samples=len(record.t),
+        interval_s=record.interval,
+        values=dict(zip(names, map(float, found.values), strict=True)),
+        deviations=dict(zip(names, map(float, found.deviations), strict=True)),
+    )
+
+
+def _ship(steering: Steering, kind: str) -> dict[str, float]:
+    """Return the model's parameters of the ship; ConfigError if it has a pair of roots."""
+    if kind == "1":
+        return steering.prime
+    form = steering.nomoto
+    if form.T1.imag:
+        raise ConfigError("sway and yaw swing together: rudder to yaw alone has no T1 and T2")
+    return {"K": form.K, "T1": form.T1.real, "T2": form.T2.real, "T3": form.T3}
+
+
+def _sea(steering: Steering, kind: str) -> dict[str, float]:
+    """Return how densities of disturbance are to one another.
+
+    With Nomoto's model the moment acts on yaw at once and, through sway, by the rate 1/T3.
+    """
+    if kind == "1":
+        return {"R1_N": 1.0, "R1_Y": LEVER**-2}
+    return {"R1_2": 1.0, "R1_1": steering.nomoto.T3**-2}
+
+
+def _sensors(sensors: Sensors, kind: str) -> dict[str, float]:
+    """Return the variances of what the model reads."""
+    each = ERRORS[kind].items()
+    return {name: (sensors.error(channel) * UNITS[channel][1]) ** 2 for channel, name in each}
+
+
+def _density(plant: Plant, values: Numbers, rate: float) -> float:
+    """Return what the densities are times for a yaw rate of ``rate`` [rad/s] rms by the sea alone.
+
+    The variance is linear in them, by Lyapunov's equation for the states without heading.
+    """
+    from scipy.linalg import solve_continuous_lyapunov  # noqa: PLC0415
+
+    if rate == 0.0:
+        return 0.0
+    blocks = plant.blocks(values[None])
+    A, noise = blocks.drift[0, :2, :2], blocks.noise[0, :2, :2]
+    if np.linalg.eigvals(A).real.max() >= 0.0:
+        raise ConfigError("an unstable ship has no unrest of a size; say --unrest 0")
+    return float(rate**2 / solve_continuous_lyapunov(A, -noise)[1, 1])

@@ -1,0 +1,207 @@
+"""A study carried out: the record read, the model fitted, and what is known afterwards."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.fitting.checkpoint import keep, resume
+from trainer.identify.fitting.estimate import Starts, estimate
+from trainer.identify.fitting.minimise import Cost, Found, Search
+from trainer.identify.fitting.prediction_error import (
+    REASONS,
+    MultiStep,
+    chi_square_limits,
+    run_filter,
+)
+from trainer.identify.fitting.problem import Problem
+from trainer.identify.fitting.study_problem import cost_of, dropped_names, pose_problem, table_of
+from trainer.identify.judge.propagation import Spread, propagate
+from trainer.identify.judge.uncertainty import (
+    BOUNDED,
+    Uncertainty,
+    beside_bounds,
+    hessian,
+    inseparable,
+    uncertainty,
+)
+from trainer.identify.model.derived import quantities, quantity_units
+from trainer.identify.model.steering import Steering
+from trainer.identify.record.measurements import Record
+from trainer.identify.record.study import Study
+
+STEPS: Final = 200
+RESTARTS: Final = 12  # in a row that must not find better, before a fit counts as settled
+FEWEST: Final = 2  # of them, whatever a study says
+NO_MODEL: Final = "these values are no model: a covariance is not positive, or it does not end"
+SCREENINGS: Final = 4  # rounds of fitting and rejecting
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A model fitted to a record."""
+
+    study: Study
+    record: Record
+    others: tuple[Record, ...]  # further runs
+    ship: Steering | None  # of the vessel file, if there is one
+    cost: Cost
+    found: Found
+    known: Uncertainty
+    rejected: tuple[tuple[int, int], ...]  # run and sample screened out
+    simulated: bool = False  # nothing was estimated
+
+    @property
+    def problem(self) -> Problem:
+        """Return what was estimated from what."""
+        return self.cost.problem
+
+    @cached_property
+    def quantity_names(self) -> tuple[str, ...]:
+        """Return the names of what follows of the parameters."""
+        return tuple(quantity_units(self.problem.plant.model))
+
+    @cached_property
+    def told(self) -> Spread:
+        """Return what follows of the parameters, and how well; NaN where these are not known."""
+        problem, covariance = self.problem, self.known.covariance
+        told = propagate(
+            lambda free: quantities(problem.plant, problem.whole(free)),
+            self.found.theta,
+            np.nan_to_num(covariance, nan=0.0),
+        )
+        ship = [i for i, name in enumerate(problem.names) if not name.startswith(BOUNDED)]
+        if np.isnan(np.diag(covariance)[ship]).any():
+            return Spread(told.values, np.full_like(told.covariance, math.nan))
+        return told
+
+    @property
+    def values(self) -> Numbers:
+        """Return all parameters (n,)."""
+        return self.problem.whole(self.found.theta)
+
+    @property
+    def log_likelihood(self) -> float:
+        """Return log L [-]."""
+        return -self.found.cost
+
+
+def _check_separable(study: Study, problem: Problem) -> None:
+    """Check that the record tells the parameters apart; ConfigError naming those that it does not.
+
+    Nothing is checked where the noise model leaves parameters out.
+    """
+    if dropped_names(study, problem.plant):
+        return
+    groups = inseparable(problem)
+    if groups:
+        raise ConfigError(*(f"{study.path.name}: {_inseparable(group)}" for group in groups))
+
+
+def _inseparable(group: tuple[str, ...]) -> str:
+    """Return what is wrong with a group of parameters that the record does not tell apart."""
+    if len(group) == 1:
+        return f'this record tells nothing of {group[0]}: fix it, free = "no"'
+    return f'this record cannot separate {" with ".join(group)}: fix one of them, free = "no"'
+
+
+def fit(
+    study: Study,
+    record: Record,
+    heard: Callable[[Found], None],
+    kept: Path | None = None,
+    others: Sequence[Record] = (),
+) -> Fitted:
+    """Return the model of a study fitted to its record. Each step is told to ``heard``.
+
+    A search is kept in the file ``kept``, and goes on from there if there is one. ``others`` are
+    the records of the study's further runs. ConfigError if it cannot be posed, or the start is no
+    model.
+    """
+    problem, own = pose_problem(study, record, others)
+    _check_separable(study, problem)
+    start, search = problem.start, Search(STEPS, heard)
+    if kept is not None:
+        start = resume(kept, problem) if kept.exists() else start
+        search = Search(STEPS, keep(kept, problem, heard))
+    table = table_of(study)
+    restarts = RESTARTS if table.restarts is None else max(FEWEST, int(table.restarts))
+    cost, method = cost_of(problem, table), table.method or "scoring"
+    found = estimate(cost, start, method, search, Starts(restarts))
+    rejected: list[tuple[int, int]] = []
+    for _ in range(SCREENINGS if table.reject else 0):
+        problem, more = screen(problem, found.theta, table.reject or 0.0)
+        rejected += more
+        if not more:
+            break
+        cost = cost_of(problem, table)
+        found = estimate(cost, found.theta, method, search)
+    known = _estimate_uncertainty(cost, found.theta)
+    outliers = tuple(sorted(rejected))
+    return Fitted(study, record, tuple(others), own, cost, found, known, outliers)
+
+
+def simulate(study: Study, record: Record, others: Sequence[Record] = ()) -> Fitted:
+    """Return the model of a study as it starts, nothing estimated (LOOP 0, ISYS 4).
+
+    Outliers are screened if the study says so.
+    """
+    problem, own = pose_problem(study, record, others, fixed=False)
+    table = table_of(study)
+    rejected: list[tuple[int, int]] = []
+    if table.reject:
+        problem, rejected = screen(problem, problem.start, table.reject)
+    cost = cost_of(problem, table)
+    value = cost.value(problem.start)
+    if not math.isfinite(value):
+        raise ConfigError(f"{study.path.name}: {NO_MODEL}")
+    found = Found(problem.start, value, 0, converged=True)
+    shape = uncertainty(problem.names, cost.information(problem.start))
+    known = replace(shape, covariance=np.full_like(shape.curvature, math.nan))
+    outliers = tuple(sorted(rejected))
+    return Fitted(study, record, tuple(others), own, cost, found, known, outliers, simulated=True)
+
+
+def screen(
+    problem: Problem, theta: Numbers, probability: float
+) -> tuple[Problem, list[tuple[int, int]]]:
+    """Return the problem without the samples that are improbable, and their runs and places."""
+    kept, found = [], []
+    limits = chi_square_limits(probability, problem.samples.outputs.shape[1])
+    for number, (run, at) in enumerate(problem.runs):
+        flags = run_filter(run, theta[at], limits).flags
+        rejected = flags == REASONS.index("rejected")
+        kept.append(run.samples.without(rejected))
+        found += [(number, int(place)) for place in np.flatnonzero(rejected)]
+    further = zip(problem.others, kept[1:], strict=True)
+    others = tuple(replace(run, samples=samples) for run, samples in further)
+    return replace(problem, samples=kept[0], others=others), found
+
+
+def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
+    """Return what is known of the parameters: by the Hessian, or where that fails by information.
+
+    A variance at nothing makes the Hessian indefinite. Where neither is finite nothing is known.
+    Errors of several steps are not independent: their second derivatives tell no deviations.
+    """
+    names = cost.problem.names
+    if isinstance(cost, MultiStep):
+        shape = uncertainty(names, cost.information(theta))
+        return replace(shape, covariance=np.full_like(shape.covariance, math.nan))
+    curvature = hessian(cost, theta)
+    if np.isfinite(curvature).all():
+        by_hessian = uncertainty(names, curvature)
+        if not np.isnan(by_hessian.covariance).any():
+            return by_hessian
+    information = cost.information(theta)
+    if np.isfinite(information).all():
+        return beside_bounds(uncertainty(names, information))
+    n = len(names)
+    unknown = np.full((n, n), math.nan)
+    return Uncertainty(names, unknown, unknown, unknown[0], np.eye(n), ())

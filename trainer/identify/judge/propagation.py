@@ -1,0 +1,87 @@
+"""Numbers that follow from the parameters, by derivatives and by draws (MI 8.3, 8.5).
+
+The delta method takes the numbers for linear in the parameters. Where they bend sharply, as time
+constants do near a double root, only draws give intervals that hold the truth.
+"""
+
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.core.kernel import Numbers
+
+Derived = Callable[[Numbers], Numbers]
+
+DRAWS: Final = 1000
+TAIL: Final = 0.025  # [-] of the draws, left out at each end of an interval
+NUDGE: Final = 1e-4  # [standard deviations] of each parameter, for the difference quotients
+
+
+class Spread(NamedTuple):
+    """Numbers and their covariance."""
+
+    values: Numbers  # (m,)
+    covariance: Numbers  # (m, m)
+
+    @property
+    def deviations(self) -> Numbers:
+        """Return the standard deviations."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+
+def propagate(derived: Derived, theta: Numbers, covariance: Numbers) -> Spread:
+    """Return ``derived(theta)`` (m,) with J cov J^T, J from central differences (8.3).
+
+    The steps are a small part of each parameter's own standard deviation, so that they fit the
+    scale on which it is known.
+    """
+    steps = NUDGE * np.sqrt(np.diag(covariance))
+    columns = []
+    for i, step in enumerate(steps):
+        if step == 0.0:
+            columns.append(np.zeros_like(derived(theta)))
+            continue
+        aside = np.zeros_like(theta)
+        aside[i] = step
+        columns.append((derived(theta + aside) - derived(theta - aside)) / (2.0 * step))
+    J = np.column_stack(columns)
+    return Spread(derived(theta), J @ covariance @ J.T)
+
+
+class Span(NamedTuple):
+    """95 % intervals of numbers, from draws of the parameters that they follow from."""
+
+    low: Numbers  # (m,)
+    high: Numbers  # (m,)
+
+
+def span_draws(derived: Derived, draws: Numbers) -> tuple[Numbers, Span]:
+    """Return ``derived`` of each of the ``draws`` (count, n), and its intervals.
+
+    A draw of which one number is none counts for the others.
+    """
+    found = np.array([derived(draw) for draw in draws])
+    told = np.where(np.isnan(found).all(axis=0), 0.0, found)  # no quantile of nothing
+    low, high = np.nanquantile(told, (TAIL, 1.0 - TAIL), axis=0)
+    nothing = np.isnan(found).all(axis=0)
+    return found, Span(np.where(nothing, np.nan, low), np.where(nothing, np.nan, high))
+
+
+def draw_parameters(theta: Numbers, covariance: Numbers, count: int, seed: int) -> Numbers:
+    """Return ``count`` parameter vectors (count, n) from N(theta, covariance) (8.5)."""
+    stream = np.random.Generator(np.random.PCG64(seed))
+    return np.asarray(theta + stream.standard_normal((count, len(theta))) @ root(covariance).T)
+
+
+def root(covariance: Numbers) -> Numbers:
+    """Return C with C C' = ``covariance`` (..., n, n), which may be singular.
+
+    Rounding counts as nothing: units differ by many powers of ten, so each is taken by its own.
+    """
+    width = np.sqrt(np.maximum(np.einsum("...ii->...i", covariance), 0.0))
+    unit = np.where(width > 0.0, width, 1.0)
+    sizes, vectors = np.linalg.eigh(covariance / (unit[..., None] * unit[..., None, :]))
+    return np.asarray(
+        width[..., None] * vectors * np.sqrt(np.maximum(sizes, 0.0))[..., None, :], float
+    )

@@ -1,0 +1,89 @@
+"""Simpler models beside a fit, by the likelihood ratio (MI 8.3)."""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+from trainer.config.files import ConfigError
+from trainer.identify.fitting.minimise import unheard
+from trainer.identify.fitting.study_problem import table_of
+from trainer.identify.judge.fitted import Fitted, fit
+from trainer.identify.judge.residuals import aic_of_likelihood, ratio_test
+from trainer.identify.model.models import MODELS
+from trainer.identify.record.study import Study
+from trainer.identify.record.study_records import ParameterRow
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A simpler model, and the likelihood-ratio test of the larger one against it."""
+
+    name: str
+    parameters: int
+    log_likelihood: float
+    aic: float
+    ratio: float  # 2 (log L of the larger - log L)
+    freedom: int
+    probability: float  # [-] of so large a ratio by chance: small, and the larger is worth it
+
+
+NOTHING: Final = {"T3": "b1"}  # what is nothing where a number that follows from it is
+
+
+def without(fitted: Fitted, names: tuple[str, ...]) -> Rival:
+    """Return the test against the same model with the parameters ``names`` at nothing.
+
+    ConfigError if one of them was not estimated.
+    """
+    model, study = fitted.problem.plant.model, fitted.study
+    wanted = [model.names[model.place(NOTHING.get(name, name))] for name in names]
+    told = [name if name in NOTHING else one for name, one in zip(names, wanted, strict=True)]
+    fixed = [name for name in wanted if name not in fitted.problem.names]
+    if fixed:
+        raise ConfigError(
+            f"--without {fixed[0]}: it was not estimated, so there is nothing to test"
+        )
+    rows = tuple(
+        row
+        for row in study.parameters
+        if row.name in model.given or model.names[model.place(row.name)] not in wanted
+    )
+    nothing = tuple(ParameterRow(name=name, start=0.0, free="no") for name in wanted)
+    smaller = replace(study, parameters=(*rows, *nothing))
+    return _test_smaller(fitted, smaller, "without " + ", ".join(told))
+
+
+def against(fitted: Fitted, kind: str) -> Rival:
+    """Return the test against another model of the same outputs; ConfigError if it lacks one."""
+    table = table_of(fitted.study)
+    lacking = [name for name in table.outputs if name not in MODELS[kind].outputs]
+    if lacking:
+        raise ConfigError(f"--against {kind}: it has no {lacking[0]}, which this fit has")
+    smaller = replace(fitted.study, model=replace(table, kind=kind), parameters=())
+    return _test_smaller(fitted, smaller, f"model {kind}")
+
+
+def _test_smaller(fitted: Fitted, smaller: Study, name: str) -> Rival:
+    """Return the fit of a smaller study, and the test against it."""
+    table = table_of(smaller)
+    if (table.predict_from or 1, table.predict_to or 1) != (1, 1):
+        raise ConfigError("order tests need the likelihood: predict one step, not more")
+    other = fit(smaller, fitted.record, unheard, others=fitted.others)
+    count, own = len(other.problem.names), len(fitted.problem.names)
+    test = ratio_test((other.log_likelihood, count), (fitted.log_likelihood, own))
+    return Rival(
+        name=name,
+        parameters=count,
+        log_likelihood=other.log_likelihood,
+        aic=aic_of_likelihood(other.log_likelihood, count),
+        ratio=test.statistic,
+        freedom=test.freedom[0],
+        probability=test.probability,
+    )
+
+
+def rivals_of(fitted: Fitted, kind: str | None, names: tuple[str, ...]) -> tuple[Rival, ...]:
+    """Return the tests that were asked for."""
+    found = [without(fitted, names)] if names else []
+    if kind is not None:
+        found.append(against(fitted, kind))
+    return tuple(found)

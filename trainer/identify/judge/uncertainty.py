@@ -1,0 +1,137 @@
+"""The certainty of the parameters, and those that the data cannot separate (MI 3.7, 8.3)."""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from trainer.core.kernel import Numbers
+from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.minimise import Cost, curvature
+from trainer.identify.fitting.problem import Problem
+
+FLAT: Final = 1e-10  # [-] eigenvalue of the information scaled to a unit diagonal
+BOUNDED: Final = ("R1_", "R2_", "lag")  # parameters that no gain or time constant follows from
+WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
+RATIOS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")  # coefficients
+PART: Final = 1e-3  # [-] share of a flat direction from which on a parameter belongs to it
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Covariance of the estimates and the eigenvalues of what it is the inverse of.
+
+    ``curvature`` (f, f) is that matrix; the eigenvalues are of it scaled to a unit diagonal,
+    smallest first, ``directions`` (f, f) their vectors in columns. Where it is singular or
+    indefinite ``covariance`` is not a number and ``flat`` names what cannot be separated.
+    """
+
+    names: tuple[str, ...]
+    curvature: Numbers
+    covariance: Numbers
+    eigenvalues: Numbers
+    directions: Numbers
+    flat: tuple[tuple[str, ...], ...]
+
+    @property
+    def deviations(self) -> Numbers:
+        """Return the standard deviations (f,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+
+def uncertainty(names: tuple[str, ...], curvature: Numbers) -> Uncertainty:
+    """Return what the second derivatives of a cost (f, f) say about its parameters."""
+    if not np.isfinite(curvature).all():
+        unknown = np.full_like(curvature, np.nan)
+        return Uncertainty(names, curvature, unknown, np.diag(unknown), unknown, ())
+    width = np.sqrt(np.abs(np.diag(curvature)))
+    unit = np.where(width > 0.0, width, 1.0)
+    scaled = curvature / np.outer(unit, unit)
+    eigenvalues, directions = np.linalg.eigh(0.5 * (scaled + scaled.T))
+    covariance = np.full_like(curvature, np.nan)
+    if eigenvalues[0] > FLAT:
+        covariance = (directions / eigenvalues) @ directions.T / np.outer(unit, unit)
+    flat = _groups(names, directions[:, eigenvalues <= FLAT])
+    return Uncertainty(names, curvature, covariance, eigenvalues, directions, flat)
+
+
+def _groups(names: tuple[str, ...], directions: Numbers) -> tuple[tuple[str, ...], ...]:
+    """Return the parameters of each flat direction, directions that share any taken together."""
+    if directions.shape[1] == 0:
+        return ()
+    projector = directions @ directions.T  # what of each parameter's motion is flat
+    linked = np.abs(projector) > PART * np.max(np.abs(projector), axis=1, keepdims=True)
+    members = np.diag(projector) > PART**2
+    groups: list[set[int]] = []
+    for place in map(int, np.flatnonzero(members)):
+        new = {place, *map(int, np.flatnonzero(linked[place] & members))}
+        for old in [group for group in groups if group & new]:
+            groups.remove(old)
+            new |= old
+        groups.append(new)
+    return tuple(tuple(names[i] for i in sorted(group)) for group in sorted(groups, key=min))
+
+
+def beside_bounds(known: Uncertainty) -> Uncertainty:
+    """Return the others' covariance where noise or lag have gone to a bound and stay.
+
+    A variance at nothing, the correlation with it, and a lag of nothing or of a whole interval have
+    no information: their own covariances stay not a number.
+    """
+    lost = {name for group in known.flat for name in group if name.startswith(BOUNDED)}
+    if not lost:
+        return known
+    kept = [i for i, name in enumerate(known.names) if name not in lost]
+    places = np.ix_(kept, kept)
+    rest = uncertainty(tuple(known.names[i] for i in kept), known.curvature[places])
+    covariance = np.full_like(known.covariance, np.nan)
+    covariance[places] = rest.covariance
+    return replace(known, covariance=covariance)
+
+
+def inseparable(problem: Problem) -> tuple[tuple[str, ...], ...]:
+    """Return groups of free parameters that the samples cannot separate, before any fitting.
+
+    One name alone is a parameter without any effect. By the information at the start values; and
+    where P(t0) is free together with x(t0): one record cannot tell both.
+    """
+    information, free = Likelihood(problem).information(problem.start), set(problem.names)
+    together = (pair for pair in problem.plant.model.paired if free.issuperset(pair))
+    return (*together, *uncertainty(problem.names, information).flat)
+
+
+def hessian(cost: Cost, theta: Numbers) -> Numbers:
+    """Return the second derivatives of ``cost`` (f, f): differences of its exact gradient.
+
+    Steps are 1/1000 of what each parameter alone is known to. A variance near nothing and a lag are
+    stepped away from where their sign changes: beyond it is the same model again, and a kink.
+    """
+    size = np.diag(cost.information(theta))
+    steps = 1e-3 / np.sqrt(np.maximum(size, 1e-300))
+    folded = np.isin(cost.problem.kinds, ("variance", "error", "lag"))
+    back = np.where(folded & (np.abs(theta) < steps), 0.0, 1.0)
+    return curvature(lambda at: cost.slope(at)[1], theta, steps, back)
+
+
+def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
+    """Return 95 % intervals (f, 2) of parameters, some of them by the logarithm.
+
+    So it is of variances: the deviation of such a number grows with it, and twice as much to
+    either side would hold too little above. A variance that is less than its deviation is not told
+    from nothing: its interval begins there. Coefficients whose sign is sure, of which gains and
+    time constants are products and ratios, have the wider end of both ways: next to a double root
+    they scatter further to either side than their deviation tells.
+    """
+    names = RATIOS if problem.plant.model.system is None else ()
+    ratio = np.isin(problem.names, names) & (np.abs(theta) > WIDTH * deviations)
+    above = np.isin(problem.kinds, ("variance", "error"))
+    scaled = ratio | (above & (np.abs(theta) > deviations))
+    share = WIDTH * deviations / np.where(scaled, np.abs(theta), 1.0)
+    ways = np.array([-1.0, 1.0])
+    factors = theta[:, None] * np.exp(np.where(scaled, share, 0.0)[:, None] * ways)
+    middle = np.where(above, np.abs(theta), theta)
+    straight = middle[:, None] + WIDTH * deviations[:, None] * ways
+    straight[above, 0] = np.maximum(straight[above, 0], 0.0)
+    found = np.sort(np.where(scaled[:, None], factors, straight), axis=1)
+    both = np.sort(np.hstack([factors, straight]), axis=1)[:, [0, 3]]
+    return np.where(ratio[:, None], both, found)

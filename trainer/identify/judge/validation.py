@@ -1,0 +1,209 @@
+"""A fitted model on its own record and others, and on drawn ones (MI 8.5)."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.fitting.likelihood import possible
+from trainer.identify.fitting.nonlinear import (
+    CURVE,
+    LINEAR,
+    Bend,
+    Bent,
+    bend_from_records,
+    curve_from_turns,
+)
+from trainer.identify.fitting.prediction_error import Innovations
+from trainer.identify.fitting.problem import Problem
+from trainer.identify.fitting.start_values import STATES
+from trainer.identify.judge.fitted import Fitted
+from trainer.identify.judge.propagation import root
+from trainer.identify.kernels.covariance_filter import run_predictor
+from trainer.identify.model.derived import nomoto_of
+from trainer.identify.record.measurements import Record, Samples, samples_of
+from trainer.identify.record.study import load_study, observe
+
+
+def deterministic(problem: Problem, theta: Numbers) -> Numbers:
+    """Return states and outputs (n, x+y) of the model alone, without any noise.
+
+    The states are SI, the outputs in knots and degrees.
+    """
+    mean, _, start = problem.sampled(theta).at(0)
+    return _driven(
+        problem.samples, mean, start[:, 0], np.zeros((len(problem.samples.t), len(start)))
+    )
+
+
+def _driven(samples: Samples, mean: Numbers, first: Numbers, driven: Numbers) -> Numbers:
+    """Return states and outputs (n, x+y) from a ``first`` state; ``driven`` (n, x) is added."""
+    readings = samples.outputs.shape[1]
+    out = np.empty((len(samples.t), len(first) + readings))
+    system = mean, np.zeros((len(first), readings)), np.ascontiguousarray(first)
+    run_predictor(system, samples.table, samples.steps[1], np.ascontiguousarray(driven), out)
+    return out
+
+
+def draw_outputs(problem: Problem, theta: Numbers, stream: np.random.Generator) -> Samples:
+    """Return the samples with outputs drawn from the model; missing readings stay missing."""
+    sampled = problem.sampled(theta)
+    if not possible(sampled):
+        raise ConfigError("these parameters are no model: a covariance is not positive")
+    mean, noise, start = sampled.at(0)
+    samples = problem.samples
+    states, rows = len(start), mean.shape[1]
+    white = stream.standard_normal((len(samples.t), rows))
+    disturbed = np.einsum("kij,kj->ki", root(noise)[samples.steps[1]], white)
+    first = start[:, 0] + root(start[:, 1:]) @ stream.standard_normal(states)
+    out = _driven(samples, mean, first, disturbed[:, :states]) + disturbed
+    readings = np.where(np.isnan(samples.outputs), np.nan, out[:, states:])
+    return replace(samples, outputs=readings)
+
+
+@dataclass(frozen=True)
+class Check:
+    """How well a record is predicted by rudder alone, from the best initial state."""
+
+    source: str
+    outputs: tuple[str, ...]
+    rms: tuple[float, ...]  # of the model's error [kn, deg/s, deg]
+    share: tuple[float, ...]  # [-] of the output's own rms about its mean
+    own: tuple[float, ...]  # [-] the same for the record fitted
+    explained: tuple[float, ...]  # [-] of the output's variance, 1 - share^2
+
+
+def alone(problem: Problem, theta: Numbers) -> Numbers:
+    """Return the outputs (n, y) of the model by rudder alone, from its initial state."""
+    return deterministic(problem, theta)[:, problem.plant.model.states :]
+
+
+def check_of(fitted: Fitted, path: Path) -> Check:
+    """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
+    problem = other_problem(fitted, other_record(fitted, path))
+    there, own = (_errors(one) for one in (problem, _found(fitted)))
+    share = there / _spread(problem)
+    return Check(
+        source=str(path),
+        outputs=problem.plant.outputs,
+        rms=tuple(map(float, there)),
+        share=tuple(map(float, share)),
+        own=tuple(map(float, own / _spread(fitted.problem))),
+        explained=tuple(map(float, 1.0 - share**2)),
+    )
+
+
+def other_record(fitted: Fitted, path: Path) -> Record:
+    """Return the record of another study, or another one of the same columns."""
+    if path.suffix == ".toml":
+        own = fitted.study.system
+        study = load_study(path)
+        study = study if own is None else replace(study, columns=fitted.study.columns, system=own)
+        return observe(study).record
+    heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
+    beside = path.parent / fitted.study.path.name
+    return observe(replace(fitted.study, path=beside, heading=heading)).record
+
+
+def bend_of(fitted: Fitted, path: Path, kind: str, *, joint: bool) -> tuple[Bend, Record]:
+    """Return what steady turns or a large manoeuvre tell of the fitted ship (12).
+
+    Their record too. ``kind`` is "kappa", "bech" for H(r) of a record, or "spiral" for H(r) of
+    steady turns, whose times are not read. ``joint``: the linear constants too, from both records.
+    ConfigError if the model has no yaw, or a pair of complex roots.
+    """
+    plant = fitted.problem.plant
+    form = nomoto_of(plant.model, fitted.values, plant.ship)
+    if not form.K or form.T1.imag or not form.T2.real:
+        raise ConfigError(f"{kind} goes with K, T1, T2 and T3: fit model 1, 3 or nomoto2")
+    ship = Bent(form.K, form.T1.real, form.T2.real, form.T3)
+    if kind == "spiral":
+        record = _turns(fitted, path)
+        rudder, rate = record.column("rudder"), record.column("yaw_rate")
+        return curve_from_turns(ship, record.source, rudder, rate), record
+    record = other_record(fitted, path)
+    # a bend that halves the gain at the fastest turn: where the search begins
+    fastest = float(np.nanmax(np.abs(record.column("yaw_rate"))))
+    ship = replace(ship, kappa=1.0 / (abs(form.K) * fastest))
+    own = fitted.record
+    same = len(own.t) == len(record.t) and bool(np.allclose(own.t, record.t))
+    same = same and np.array_equal(own.column("rudder"), record.column("rudder"))
+    records = [own, record] if joint and not same else [record]
+    free = ("kappa",) if kind == "kappa" else CURVE
+    return bend_from_records(ship, records, (*LINEAR, *free) if joint else free), record
+
+
+def _turns(fitted: Fitted, path: Path) -> Record:
+    """Return steady turns, a row each, from a file of the same columns or another study."""
+    study = load_study(path) if path.suffix == ".toml" else fitted.study
+    columns = {
+        name: study.columns[name] for name in ("rudder", "yaw_rate") if name in study.columns
+    }
+    data = study.heading.data if path.suffix == ".toml" else path.name
+    heading = replace(study.heading, data=data, from_s=None, to_s=None, every=None)
+    place = path.parent / study.path.name
+    return observe(
+        replace(study, path=place, heading=heading, columns=columns, sensors=None)
+    ).record
+
+
+def other_problem(fitted: Fitted, record: Record) -> Problem:
+    """Return the fitted model on another record, from the initial state that fits it best.
+
+    By rudder alone the outputs are linear in that state. Each is weighed by its own errors: a
+    heading in degrees would else buy its hundredths with whole degrees a second. Outputs that were
+    not recorded are not a number; where none was, the ship begins at rest.
+    """
+    plant = fitted.problem.plant
+    own, known = plant.model.system, {}
+    if own is None:
+        unknown = {name: np.full(len(record.t), np.nan) for name in plant.outputs}
+        known = {name: getattr(record, name) for name in plant.outputs if name in record.channels}
+        samples = samples_of(replace(record, **{**unknown, **known}), plant.outputs)
+    else:
+        samples = samples_of(record, plant.outputs, own.inputs)
+    problem = replace(_found(fitted), samples=samples)
+    states = len(STATES.get(plant.model.name, range(plant.model.states)))  # those that may differ
+    first = problem.sampled(problem.start).start[0, :, 0].real
+    first[:states] = 0.0
+    problem = replace(problem, first=first)
+    if not known and own is None:
+        return problem
+    still = alone(problem, problem.start)
+    units = [replace(problem, first=first + one) for one in np.eye(len(first))[:states]]
+    there, weight = ~np.isnan(samples.outputs), 1.0 / _reading_errors(fitted)
+    changes = [alone(unit, unit.start) - still for unit in units]
+    free = np.column_stack([(change * weight)[there] for change in changes])
+    width = np.maximum(np.linalg.norm(free, axis=0), 1e-300)
+    left = ((samples.outputs - still) * weight)[there]
+    best = np.linalg.lstsq(free / width, left, rcond=None)[0] / width
+    return replace(problem, first=np.concatenate([best, first[states:]]))
+
+
+def _reading_errors(fitted: Fitted) -> Numbers:
+    """Return the standard deviations of the outputs' errors (y,), as fitted or as they scatter."""
+    plant = fitted.problem.plant
+    noise = np.diag(plant.blocks(fitted.values[None]).noise[0])
+    told = np.sqrt(noise[plant.model.states :])
+    if isinstance(fitted.cost, Innovations):  # which has no errors of readings
+        told = _errors(_found(fitted))
+    return np.asarray(np.maximum(told, 1e-12))
+
+
+def _found(fitted: Fitted) -> Problem:
+    """Return the first run alone, at what was found."""
+    problem, _ = fitted.problem.runs[0]
+    return replace(problem, values=fitted.values)
+
+
+def _errors(problem: Problem) -> Numbers:
+    """Return the rms of the errors by rudder alone (y,)."""
+    left = problem.samples.outputs - alone(problem, problem.start)
+    return np.asarray(np.sqrt(np.nanmean(left**2, axis=0)))
+
+
+def _spread(problem: Problem) -> Numbers:
+    """Return the standard deviations of the outputs (y,), never nothing."""
+    return np.asarray(np.maximum(np.nanstd(problem.samples.outputs, axis=0), 1e-300))

@@ -1,0 +1,1 @@
+"""The models of a steered ship, and systems of a user's own: matrices and sampling."""

@@ -1,0 +1,339 @@
+"""The ship models: what their parameters are called, and their matrices by them.
+
+Model document, section 5. The rudder is in degrees and turns the ship to port when positive,
+outputs are in knots, degrees and degrees a second, states in m/s, rad/s and rad. Variances are
+taken by magnitude, correlations and the time lag by sine, so that no number is out of bounds.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError, nearest
+from trainer.config.words import CHANNELS
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels import ship_models
+from trainer.identify.kernels.kernel import Entries
+from trainer.identify.model.nomoto import rate_coefficients
+
+# output channels, by their place in the kernels
+UNITS: Final = {  # of a channel, and how many of them one SI unit is
+    "bow_sway": ("kn", 3600.0 / 1852.0),
+    "stern_sway": ("kn", 3600.0 / 1852.0),
+    "sway": ("kn", 3600.0 / 1852.0),
+    "yaw_rate": ("deg/s", 180.0 / np.pi),
+    "heading": ("deg", 180.0 / np.pi),
+}
+
+
+STEADY: Final = ("Y_0", "N_0", "f1", "f2", "f3", "delta_0")  # forces that stay for a run
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a model: ``kind`` is how it is bounded.
+
+    "free" any number, "variance" by magnitude, "error" a reading's variance, "angle" [rad] by its
+    sine, "lag" [rad] by the sine's magnitude.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    kind: str = "free"
+
+
+@dataclass(frozen=True)
+class Model:
+    """A family of linear systems: ``assemble`` fills the matrices, see kernels.ship_models.
+
+    ``given`` are other numbers that the first parameters follow from, all of them, by ``follow``.
+    ``system`` is a user's own one, which is no ship.
+    """
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    outputs: tuple[str, ...]
+    states: int
+    assemble: Callable[..., Any]
+    inputs: int = 1
+    given: tuple[str, ...] = ()
+    follow: Callable[..., tuple[float, ...]] | None = None
+    system: Any = None  # an own_systems.System
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Return the parameters' names, in order."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @cached_property
+    def of_each_run(self) -> tuple[str, ...]:
+        """Return the parameters that each of several runs has for itself.
+
+        They are the first state, and the steady forces of wind and residual helm.
+        """
+        if self.system is not None:
+            return tuple(self.system.only_in({"x0"}))
+        states = (f"x{i}_0" for i in range(1, 1 + self.states))
+        return tuple(name for name in (*states, *STEADY) if name in self.names)
+
+    @cached_property
+    def paired(self) -> tuple[tuple[str, str], ...]:
+        """Return each initial state with its variance."""
+        if self.system is not None:
+            return tuple(self.system.pairs)
+        return tuple((f"x{i}_0", f"P{i}{i}") for i in range(1, 1 + self.states))
+
+    def unit(self, output: str) -> str:
+        """Return the unit of an output."""
+        if self.system is None:
+            return UNITS[output][0]
+        return str(self.system.units[self.outputs.index(output)])
+
+    def place(self, name: str) -> int:
+        """Return a parameter's place, by name or as theta1, theta2, ...; ConfigError if none."""
+        if name.startswith("theta") and name[5:].isdecimal():
+            place = int(name[5:]) - 1
+            if 0 <= place < len(self.parameters):
+                return place
+        elif name in self.names:
+            return self.names.index(name)
+        elif name in self.given:
+            follow = ", ".join(self.names[: len(self.given)])
+            raise ConfigError(
+                f"model {self.name} estimates {follow}, and {name} follows from them: "
+                f"name all of {', '.join(self.given)}, or one of {follow}"
+            )
+        raise ConfigError(
+            f"model {self.name} has no parameter {name!r}{nearest(name, self.names)}; it has "
+            f"{', '.join(self.names)}, also called theta1 to theta{len(self.parameters)}"
+        )
+
+    def places(self, names: Iterable[str]) -> tuple[int, ...]:
+        """Return the places of ``names``, each once; those ``given`` stand for what follows."""
+        asked = list(dict.fromkeys(names))
+        inside = [name for name in self.given if name in asked]
+        if inside and len(inside) < len(self.given):
+            self.place(inside[0])
+        found = [*range(len(inside)), *(self.place(one) for one in asked if one not in inside)]
+        return tuple(dict.fromkeys(found))
+
+    def vector(self, **values: float) -> Numbers:
+        """Return the parameters with these values, zero elsewhere."""
+        theta = np.zeros(len(self.parameters))
+        inside = [name for name in self.given if name in values]
+        theta[list(self.places(inside))] = (
+            self.follow(*(values[name] for name in self.given)) if self.follow and inside else 0.0
+        )
+        for name, value in values.items():
+            if name not in inside:
+                theta[self.place(name)] = value
+        return theta
+
+
+@dataclass(frozen=True)
+class Ship:
+    """The scales of the models, and the places of the logs."""
+
+    length: float  # [m]
+    speed: float  # [m/s]
+    bow_log: float = 0.0  # [m] forward of the centre of mass
+    stern_log: float = 0.0  # [m] aft of the centre of mass
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Continuous systems, one for each row of parameters; see kernels.sampling for the blocks.
+
+    They are complex where the parameters are: imaginary parts carry derivatives.
+    """
+
+    drift: Entries  # (b, x+y, x+u+1)
+    noise: Entries  # (b, x+y, x+y)
+    start: Entries  # (b, x, 1+x)
+    lag: Entries  # (b,) [s]
+    gain: Entries | None = None  # (b, x, y) of a predictor, where the model gives it
+
+
+@dataclass(frozen=True)
+class Plant:
+    """A model of a certain ship with certain outputs, read every ``period`` [s]."""
+
+    model: Model
+    ship: Ship
+    outputs: tuple[str, ...]
+    period: float
+
+    def __post_init__(self) -> None:
+        for output in self.outputs:
+            if output not in self.model.outputs:
+                has = ", ".join(self.model.outputs)
+                raise ConfigError(f"model {self.model.name} has no output {output!r}; it has {has}")
+        if {"sway", "bow_sway"} <= set(self.outputs):
+            raise ConfigError("outputs: bow_sway and sway share a bias and an error; drop one")
+
+    @cached_property
+    def numbers(self) -> Numbers:
+        """Return what the kernels know of the ship."""
+        ship = self.ship
+        places = [float(CHANNELS.index(output)) for output in self.outputs if output in CHANNELS]
+        return np.array(
+            [ship.length, ship.speed, ship.bow_log, ship.stern_log, self.period, *places]
+        )
+
+    def blocks(self, theta: Entries) -> Blocks:
+        """Return the systems of the parameter vectors ``theta`` (b, n)."""
+        batch, states = len(theta), self.model.states
+        rows = states + len(self.outputs)
+        drift = np.zeros((batch, rows, states + self.model.inputs + 1), theta.dtype)
+        noise = np.zeros((batch, rows, rows), theta.dtype)
+        start = np.zeros((batch, states, 1 + states), theta.dtype)
+        lag = np.zeros(batch, theta.dtype)
+        gain = self.model.assemble(theta, self.numbers, drift, noise, start, lag)
+        return Blocks(drift, noise, start, lag, gain)
+
+
+def _parameters(*lines: str) -> tuple[Parameter, ...]:
+    """Return parameters from lines of name, unit, meaning and perhaps kind."""
+    cells = [[cell.strip() for cell in line.split("|")] for line in lines]
+    return tuple(Parameter(name, meaning, unit, *kind) for name, unit, meaning, *kind in cells)
+
+
+def _start(*units: str) -> tuple[str, ...]:
+    """Return the lines of the initial state."""
+    return tuple(f"x{i}_0 | {unit} | initial state" for i, unit in enumerate(units, 1))
+
+
+_VARIANCES: Final = tuple(
+    f"P{i} | SI | variance of initial state {i[0]} | variance" for i in ("11", "22", "33")
+)
+_COVARIANCES: Final = tuple(f"P{i} | SI | covariance of initial states" for i in ("12", "13", "23"))
+_LAG: Final = "lag | rad | time lag of the rudder is T abs sin | lag"
+
+MODEL_1: Final = Model(
+    "1",
+    _parameters(
+        "m11 | - | m - Y_vdot",
+        "m12 | - | m x_G - Y_rdot",
+        "m21 | - | m x_G - N_vdot",
+        "m22 | - | I_z - N_rdot",
+        "Y_v | - | sway force by sway velocity",
+        "Y_r | - | sway force by yaw rate, less m: Y_r - m",
+        "N_v | - | yaw moment by sway velocity",
+        "N_r | - | yaw moment by yaw rate, less m x_G: N_r - m x_G",
+        "Y_psi | - | sway force of the wind by heading",
+        "l_psi | - | lever arm of the wind N_psi/Y_psi",
+        "Y_delta | - | sway force by rudder",
+        "l_delta | - | lever arm of the rudder -N_delta/Y_delta",
+        "Y_0 | - | sway force bias",
+        "N_0 | - | yaw moment bias",
+        "v1_0 | kn | bias of the bow log, or of sway",
+        "v2_0 | kn | bias of the stern log",
+        "r_0 | deg/s | bias of the yaw rate",
+        "R1_Y | - | spectral density of the disturbing force | variance",
+        "R1_N | - | spectral density of the disturbing moment | variance",
+        "R1_YN | rad | correlation of force and moment is its sine | angle",
+        "R2_v1 | kn^2 | error of the bow log, or of sway | error",
+        "R2_v2 | kn^2 | error of the stern log | error",
+        "R2_r | (deg/s)^2 | error of the yaw rate | error",
+        "R2_psi | deg^2 | error of the heading | error",
+        *_start("kn", "deg/s", "deg"),
+        *_VARIANCES,
+        *_COVARIANCES,
+        _LAG,
+    ),
+    CHANNELS,
+    3,
+    ship_models.model_1,
+)
+
+MODEL_2: Final = Model(
+    "2",
+    _parameters(
+        *(f"a{i} | - | coefficient of the denominator" for i in (1, 2, 3)),
+        *(f"c{i} | - | coefficient of rudder to sway" for i in (1, 2, 3)),
+        *(f"f{i} | SI | bias of state {i}" for i in (1, 2, 3)),
+        "v_0 | kn | bias of sway",
+        *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2, 3)),
+        "R1_12 | rad | correlation of states 1 and 2 is its sine | angle",
+        "R1_13 | SI | spectral density of states 1 and 3",
+        "R1_23 | SI | spectral density of states 2 and 3",
+        "R2_v | kn^2 | error of sway | error",
+        *_start("kn", "SI", "SI"),
+        *_VARIANCES,
+        *_COVARIANCES,
+        _LAG,
+    ),
+    ("sway",),
+    3,
+    ship_models.model_2,
+)
+
+MODEL_3: Final = Model(
+    "3",
+    _parameters(
+        *(f"a{i} | - | coefficient of the denominator" for i in (1, 2, 3)),
+        *(f"b{i} | - | coefficient of rudder to heading" for i in (1, 2)),
+        *(f"f{i} | SI | bias of state {i}" for i in (1, 2)),
+        "r_0 | deg/s | bias of the yaw rate",
+        *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2)),
+        "R1_12 | rad | correlation of states 1 and 2 is its sine | angle",
+        "R2_r | (deg/s)^2 | error of the yaw rate | error",
+        "R2_psi | deg^2 | error of the heading | error",
+        "R2_rpsi | rad | correlation of the errors is its sine | angle",
+        *_start("1/s^2", "deg/s", "deg"),
+        *_VARIANCES,
+        *_COVARIANCES,
+        _LAG,
+    ),
+    ("yaw_rate", "heading"),
+    3,
+    ship_models.model_3,
+)
+
+NOMOTO_1: Final = Model(
+    "nomoto1",
+    _parameters(
+        "K | 1/s | gain, rudder to yaw rate",
+        "T | s | time constant",
+        "delta_0 | deg | residual helm",
+        "r_0 | deg/s | bias of the yaw rate",
+        "R1_r | SI | spectral density of the yaw acceleration | variance",
+        "R2_r | (deg/s)^2 | error of the yaw rate | error",
+        "R2_psi | deg^2 | error of the heading | error",
+        *_start("deg/s", "deg"),
+        *_VARIANCES[:2],
+        _LAG,
+    ),
+    ("yaw_rate", "heading"),
+    2,
+    ship_models.nomoto_first,
+)
+
+NOMOTO_2: Final = Model(
+    "nomoto2",
+    _parameters(
+        "a1 | 1/s | coefficient of the denominator, 1/T1 + 1/T2",
+        "a2 | 1/s^2 | coefficient of the denominator, 1/(T1 T2)",
+        "b1 | 1/s^2 | coefficient of rudder to yaw rate, K T3/(T1 T2)",
+        "b2 | 1/s^3 | coefficient of rudder to yaw rate, K/(T1 T2)",
+        "delta_0 | deg | residual helm",
+        "r_0 | deg/s | bias of the yaw rate",
+        *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2)),
+        "R2_r | (deg/s)^2 | error of the yaw rate | error",
+        "R2_psi | deg^2 | error of the heading | error",
+        *_start("deg/s^2", "deg/s", "deg"),
+        *_VARIANCES,
+        _LAG,
+    ),
+    ("yaw_rate", "heading"),
+    3,
+    ship_models.nomoto,
+    given=("K", "T1", "T2", "T3"),
+    follow=rate_coefficients,
+)
+
+MODELS: Final = {m.name: m for m in (MODEL_1, MODEL_2, MODEL_3, NOMOTO_1, NOMOTO_2)}

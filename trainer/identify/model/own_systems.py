@@ -1,0 +1,382 @@
+"""A user's own system has matrices that are functions of its parameters.
+
+    dx = (A x + B u + f) dt + dw,  y = C x + D u + d + e      E dw dw' = R1 dt, cov e = R2
+    x+ = A x + B u + f + w         where the time is discrete, cov w = R1, cov (w, e) = R12
+
+x begins at x0 with covariance P0; K is the gain of a predictor, from reading to the next state.
+Numbers are in the units of the record's columns. A Python file is a program: who loads it runs it.
+"""
+
+import math
+import runpy
+from collections import namedtuple
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError, quote
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.kernel import Entries
+from trainer.identify.model.models import Model, Parameter, Plant
+from trainer.identify.model.sampled import STEP, aside
+
+Matrices = dict[str, Entries]  # by name, (b, rows, columns)
+Function = Callable[[Entries], Matrices]
+
+ORDER: Final = ("A", "B", "C", "D", "R1", "R2", "x0", "P0")  # of a function's tuple
+NAMES: Final = (*ORDER, "f", "d", "R12", "K")
+NOISE: Final = {"R1", "R2", "R12", "P0"}
+LARGEST: Final = 20  # states, inputs, outputs
+STRAY: Final = 1e-50  # beyond which an imaginary part is none: a root of a negative number
+SAME: Final = 1e-4  # [-] of the largest slope, that a program's own slopes must agree to
+EMPTY: Final[Numbers] = np.zeros((0, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """A system whose matrices are a function of its parameters (b, n)."""
+
+    path: Path
+    name: str
+    discrete: bool
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    units: tuple[str, ...]
+    parameters: tuple[Parameter, ...]
+    starts: Numbers  # (n,)
+    held: tuple[str, ...]  # parameters that are not estimated
+    states: int
+    matrices: Function
+    touched: Mapping[str, frozenset[str]]  # by parameter: matrices that depend on it
+    how: str  # of derivatives
+
+    @property
+    def has_gain(self) -> bool:
+        """Return whether it has a gain of its own."""
+        return "K" in self.matrices(self.starts[None])
+
+    def only_in(self, matrices: set[str]) -> tuple[str, ...]:
+        """Return the parameters that nothing beside these matrices depends on."""
+        return tuple(name for name, found in self.touched.items() if found and found <= matrices)
+
+    @cached_property
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """Return first state and its variance, where each is a parameter alone."""
+        found, names = self.matrices(aside(self.starts)), list(self.touched)
+        pairs = []
+        for i in range(self.states):
+            alone = [
+                names[k]
+                for key, j in (("x0", 0), ("P0", i))
+                for k in (np.flatnonzero(found[key][1:, i, j].imag) if key in found else ())
+            ]
+            if len(alone) == 2:
+                pairs.append((alone[0], alone[1]))
+        return tuple(pairs)
+
+    def assemble(
+        self,
+        theta: Entries,
+        ship: Numbers,
+        drift: Entries,
+        noise: Entries,
+        start: Entries,
+        lag: Entries,
+    ) -> Entries | None:
+        """Write the blocks, see kernels.sampling; return the gain (b, x, y) if it has one."""
+        del ship, lag
+        x, u = self.states, self.states + len(self.inputs)
+        bounded = [i for i, one in enumerate(self.parameters) if one.kind != "free"]
+        theta = theta.copy()
+        theta[:, bounded] = np.where(
+            theta[:, bounded].real < 0.0, -theta[:, bounded], theta[:, bounded]
+        )
+        found = {key: _proper(one) for key, one in self.matrices(theta).items()}
+        places = {
+            "A": (drift, slice(x), slice(x)),
+            "B": (drift, slice(x), slice(x, u)),
+            "f": (drift, slice(x), slice(u, None)),
+            "C": (drift, slice(x, None), slice(x)),
+            "D": (drift, slice(x, None), slice(x, u)),
+            "d": (drift, slice(x, None), slice(u, None)),
+            "R1": (noise, slice(x), slice(x)),
+            "R2": (noise, slice(x, None), slice(x, None)),
+            "x0": (start, slice(None), slice(1)),
+            "P0": (start, slice(None), slice(1, None)),
+        }
+        for key, (out, rows, columns) in places.items():
+            if key in found:
+                out[:, rows, columns] = found[key]
+        if "R12" in found:
+            noise[:, :x, x:] = found["R12"]
+            noise[:, x:, :x] = found["R12"].swapaxes(1, 2)
+        return found.get("K")
+
+    @cached_property
+    def quantities(self) -> dict[str, str]:
+        """Return what ``tell`` tells, and units."""
+        found = {"1/T1": "1/s"}
+        for i in range(1, 1 + self.states):
+            found |= {f"T{i}": "s", f"period {i}": "s"}
+        for output, unit in zip(self.outputs, self.units, strict=True):
+            found |= {f"{name} to {output}": unit for name in self.inputs}
+        return found
+
+    def tell(self, plant: Plant, values: Numbers) -> Numbers:
+        """Return -Re of the slowest root, T and period of each, and steady gains.
+
+        The period is 0 of a root that is one with the one before.
+        """
+        drift, x = np.nan_to_num(plant.blocks(values[None]).drift[0]), self.states
+        A, B, C, D = drift[:x, :x], drift[:x, x:-1], drift[x:, :x], drift[x:, x:-1]
+        roots = np.linalg.eigvals(A)
+        if self.discrete:
+            with np.errstate(all="ignore"):
+                roots, A = np.log(roots + 0j) / plant.period, A - np.eye(x)
+        roots = roots[np.lexsort((-roots.imag, -roots.real))]
+        found = [-roots[0].real]
+        for root in roots:
+            second = root.imag < 0.0
+            slow = -1.0 / root.real if root.real else math.inf
+            found += [0.0 if second else slow, 0.0 if root.imag <= 0.0 else math.tau / root.imag]
+        regular = np.linalg.matrix_rank(A) == len(A)
+        gain = D - C @ np.linalg.solve(A, B) if regular else np.full_like(D, math.nan)
+        return np.array([*found, *gain.ravel()])
+
+
+def check_names(path: Path, names: Sequence[str]) -> None:
+    """Check the names of parameters; ConfigError naming the first that is none."""
+    for i, name in enumerate(names):
+        plain = name.isascii() and name.isidentifier() and not name.startswith("_")
+        why = "" if plain else "must be a letter, then letters, digits or _"
+        why = why or ("is given twice" if name in names[:i] else "")
+        if why:
+            raise ConfigError(f"{path.name}: parameter {quote(name)}: {why}")
+
+
+def load_program(path: Path) -> System:
+    """Return the system of a Python file, which is run. ConfigError if it fails or lacks a part."""
+    try:
+        told = runpy.run_path(str(path))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
+    except Exception as error:
+        raise ConfigError(f"{path}: {_failed(error, path)}") from error
+    lacking = [name for name in ("matrices", "outputs", "parameters") if name not in told]
+    if lacking:
+        raise ConfigError(f"{path}: lacks {', '.join(lacking)}")
+    starts = dict(told["parameters"])
+    check_names(path, tuple(starts))
+    outputs, inputs = tuple(told["outputs"]), tuple(told.get("inputs", ()))
+    vector = np.array([float(value) for value in starts.values()])
+    plain = _Programmed(path, told["matrices"], tuple(starts))
+    found = plain(vector[None])
+    if "A" not in found or "C" not in found:
+        raise ConfigError(f"{path}: matrices() gives no A and C at the start values")
+    states = found["A"].shape[1]
+    function, how = _stepped(plain, vector)
+    return System(
+        path=path,
+        name=str(told.get("name", path.stem)),
+        discrete=bool(told.get("discrete", False)),
+        inputs=inputs,
+        outputs=outputs,
+        units=tuple(told.get("units", ("-",) * len(outputs))),
+        parameters=tuple(Parameter(name, "", "-") for name in starts),
+        starts=vector,
+        held=tuple(told.get("held", ())),
+        states=states,
+        matrices=function,
+        touched={},
+        how=how,
+    )
+
+
+def _failed(error: Exception, path: Path) -> str:
+    """Return in a line where in a program what went wrong."""
+    line, trace = 0, error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == str(path):
+            line = trace.tb_lineno
+        trace = trace.tb_next
+    told = str(error) if isinstance(error, _ReturnedError) else f"{type(error).__name__}: {error}"
+    return (f"line {line}: {told}" if line else told).splitlines()[0]
+
+
+class _ReturnedError(ValueError):
+    """What a function returned is no set of matrices."""
+
+
+class _Programmed:
+    """The matrices of a Python function, one row of parameters at a time."""
+
+    def __init__(self, path: Path, function: Callable[..., Any], names: tuple[str, ...]) -> None:
+        self._path = path
+        self._function = function
+        self._theta = namedtuple("theta", names)  # type: ignore[misc]  # noqa: PYI024
+
+    def __call__(self, theta: Entries) -> Matrices:
+        """Return the matrices of each row; not a number where the function fails on numbers."""
+        rows = [self._row(row) for row in theta]
+        known = {key: value.shape for row in rows for key, value in row.items()}
+        nothing = {key: np.full(shape, math.nan) for key, shape in known.items()}
+        return {key: np.array([row.get(key, nothing[key]) for row in rows]) for key in known}
+
+    def _row(self, theta: Entries) -> Matrices:
+        try:
+            with np.errstate(all="ignore"):
+                found = self._function(self._theta(*theta))
+            named = found if isinstance(found, Mapping) else _named(found)
+            return {key: _as_matrix(key, one) for key, one in named.items() if one is not None}
+        except (ArithmeticError, np.linalg.LinAlgError):
+            return {}
+        except Exception as error:
+            told = _failed(error, self._path)
+            raise ConfigError(f"{self._path}: matrices(): {told}") from error
+
+
+def _named(found: Any) -> dict[str, Any]:
+    """Return the matrices of a tuple by name."""
+    if not isinstance(found, tuple | list) or len(found) != len(ORDER):
+        raise _ReturnedError(f"must return {', '.join(ORDER)}, or some matrices by name")
+    return dict(zip(ORDER, found, strict=True))
+
+
+def _as_matrix(name: str, value: Any) -> Entries:
+    """Return a matrix (rows, columns), a vector as a column. ValueError if it is none."""
+    if name not in NAMES:
+        raise _ReturnedError(f"no matrix {name!r}; there are {', '.join(NAMES)}")
+    try:
+        found = np.asarray(value)
+    except ValueError:
+        found = np.asarray(None)
+    if found.dtype.kind not in "iufc" or found.ndim > 2:
+        raise _ReturnedError(f"{name} is not made of rows of numbers")
+    return found[:, None] if found.ndim == 1 else np.atleast_2d(found)
+
+
+def _stepped(function: _Programmed, start: Numbers) -> tuple[Function, str]:
+    """Return the function with exact derivatives, and how they are had.
+
+    An imaginary step goes through most programs. One that loses it (abs, max, math.sin, float) is
+    seen beside differences, and these are taken instead.
+    """
+    plain = _by_differences(function, aside(start))
+    try:
+        found = function(aside(start))
+    except ConfigError:
+        found = {}
+    slopes = [{key: one[1:].imag / STEP for key, one in each.items()} for each in (found, plain)]
+    sizes = [float(np.max(np.abs(one), initial=0.0)) for one in slopes[1].values()]
+    largest = max(sizes, default=0.0)
+    agree = found.keys() == plain.keys() and all(
+        np.allclose(slopes[0][key], one, rtol=SAME, atol=SAME * 1e-3 * largest)
+        for key, one in slopes[1].items()
+    )
+    if agree:
+        return function, "complex step"
+    return (lambda theta: _by_differences(function, theta)), "differences"
+
+
+def _by_differences(function: _Programmed, theta: Entries) -> Matrices:
+    """Return matrices whose imaginary parts are central differences, where ``theta`` has any."""
+    found = function(np.ascontiguousarray(theta.real))
+    if not np.iscomplexobj(theta):
+        return found
+    found = {key: one.astype(complex) for key, one in found.items()}
+    for row, place in zip(*np.nonzero(theta.imag), strict=True):
+        step = 6e-6 * max(abs(theta[row, place].real), 1e-3)
+        beside = np.tile(theta[row].real, (2, 1))
+        beside[:, place] += (step, -step)
+        part = theta[row, place].imag
+        for key, two in function(beside).items():
+            found[key][row] += 1j * part * (two[0] - two[1]) / (beside[0] - beside[1])[place]
+    return found
+
+
+def check_shapes(system: System) -> None:
+    """Check sizes of matrices and covariances at the start; ConfigError with all faults."""
+    found, problems = system.matrices(system.starts[None]), []
+    sizes = {"x": system.states, "u": len(system.inputs), "y": len(system.outputs)}
+    words = {"x": "states", "u": "inputs", "y": "outputs"}
+    shapes = {"A": "xx", "B": "xu", "C": "yx", "D": "yu", "R1": "xx", "R2": "yy", "P0": "xx"}
+    shapes |= {"R12": "xy", "K": "xy", "x0": "x1", "f": "x1", "d": "y1"}
+    for key in (*(("A", "C") if "A" not in found or "C" not in found else ()), *found):
+        if key not in found:
+            problems.append(f"lacks {key}")
+            continue
+        rows, columns = found[key].shape[1:]
+        wanted = tuple(sizes.get(sign, 1) for sign in shapes[key])
+        if (rows, columns) != wanted:
+            by = " by ".join(words.get(sign, "1") for sign in shapes[key])
+            must = f"must be {wanted[0]} by {wanted[1]}, {by}"
+            problems.append(f"{key} is {rows} by {columns}, {must}")
+        elif not np.isfinite(found[key]).all():
+            problems.append(f"{key} is not finite at the start values")
+        elif key in ("R1", "R2", "P0") and not _is_covariance(found[key][0]):
+            problems.append(f"{key} is no covariance at the start values")
+    if len(set(system.outputs)) < len(system.outputs) or not system.outputs:
+        problems.append("outputs must be one column or more, each once")
+    if len(system.units) != len(system.outputs):
+        problems.append("units must be as many as outputs")
+    if problems:
+        raise ConfigError(*(f"{system.path.name}: {problem}" for problem in problems))
+
+
+def _is_covariance(matrix: Numbers) -> bool:
+    """Return whether a matrix is symmetric and has no negative eigenvalue."""
+    size = float(np.max(np.abs(matrix), initial=0.0))
+    symmetric = np.allclose(matrix, matrix.T, atol=1e-9 * size)
+    return bool(symmetric and np.linalg.eigvalsh(matrix)[0] >= -1e-9 * size)
+
+
+def with_kinds(system: System) -> System:
+    """Return the system with what depends on each parameter, and variances known as such.
+
+    A parameter that is a variance all alone is bounded; one in R2 is an error of readings.
+    """
+    start = system.starts
+    touched: dict[str, set[str]] = {one.name: set() for one in system.parameters}
+    for theta in (start, 1.17 * start + 0.013):  # a slope may be nothing at one place
+        for key, found in system.matrices(aside(theta)).items():
+            for place, slope in enumerate(found[1:].imag):
+                if np.any(slope != 0.0):
+                    touched[system.parameters[place].name].add(key)
+    at_start = system.matrices(aside(start))
+    kinds = {}
+    for key in ("P0", "R1", "R2"):
+        for value in np.diagonal(at_start.get(key, EMPTY[None]), axis1=1, axis2=2).T:
+            slopes = value[1:].imag / STEP
+            places = np.flatnonzero(slopes)
+            alone = len(places) == 1 and abs(slopes[places[0]] - 1.0) < 1e-6
+            if alone and value[0].real == start[places[0]]:
+                kinds[int(places[0])] = "error" if key == "R2" else "variance"
+    parameters = tuple(
+        replace(one, kind=kinds.get(place, "free")) for place, one in enumerate(system.parameters)
+    )
+    known = {name: frozenset(where) for name, where in touched.items()}
+    return replace(system, parameters=parameters, touched=known)
+
+
+def model_of(system: System) -> Model:
+    """Return the model of a system, which the estimation takes like any other."""
+    return Model(
+        "own",
+        system.parameters,
+        system.outputs,
+        system.states,
+        system.assemble,
+        inputs=len(system.inputs),
+        system=system,
+    )
+
+
+def _proper(matrix: Entries) -> Entries:
+    """Return a matrix, not a number where its imaginary part is no derivative."""
+    if not np.iscomplexobj(matrix):
+        return matrix
+    return np.where(np.abs(matrix.imag) > STRAY, math.nan, matrix)

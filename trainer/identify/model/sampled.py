@@ -1,0 +1,91 @@
+"""Continuous systems sampled exactly (MI 7), and derivatives by an imaginary step."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.kernel import Entries
+from trainer.identify.kernels.sampling import Complexes, sample_blocks
+from trainer.identify.model.models import Blocks
+
+STEP: Final = 1e-100  # imaginary part that carries a derivative without rounding
+LANES: Final = 4  # numbers that a processor takes at a time
+
+
+def aside(theta: Numbers, free: Sequence[int] | None = None) -> Complexes:
+    """Return ``theta`` (n,) above rows a step aside, one for each (free) place."""
+    places = np.arange(len(theta)) if free is None else np.array(free, int)
+    rows = np.tile(theta.astype(complex), (1 + len(places), 1))
+    rows[np.arange(1, 1 + len(places)), places] += 1j * STEP
+    return rows
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Systems from sample to sample and their start, for each of a batch of parameters.
+
+    Rows are (next state, reading), columns (state, old input, input, 1). Imaginary parts, where
+    there are any, are derivatives times STEP.
+    """
+
+    mean: Entries  # (b, m, x+y, x+2u+1)
+    noise: Entries  # (b, m, x+y, x+y)
+    start: Entries  # (b, x, 1+x)
+    gain: Entries | None = None  # (b, x, y) of a predictor, where the model gives it
+
+    def at(self, row: int) -> tuple[Numbers, Numbers, Numbers]:
+        """Return mean, noise and start of one row, real."""
+        parts = (self.mean[row], self.noise[row], self.start[row])
+        mean, noise, start = (np.ascontiguousarray(part.real) for part in parts)
+        return mean, noise, start
+
+    def as_complex(self) -> "Sampled":
+        """Return the same numbers, complex: kernels of predictors take no others."""
+        parts = (self.mean, self.noise, self.start, self.gain)
+        return Sampled(*(None if x is None else x.astype(complex, copy=False) for x in parts))  # type: ignore[arg-type]
+
+    def slopes(self) -> tuple[Numbers, Numbers, Numbers]:
+        """Return the derivatives of mean, noise and start, parameters last, from rows 1 on.
+
+        Zeros fill up to a whole number of LANES: loops over parameters then have no rest.
+        """
+        parts = (self.mean[1:], self.noise[1:], self.start[1:])
+        mean, noise, start = (_filled(np.moveaxis(part.imag, 0, -1) / STEP) for part in parts)
+        return mean, noise, start
+
+
+def _filled(slopes: Numbers) -> Numbers:
+    """Return ``slopes`` with zeros after them, up to a whole number of LANES."""
+    count = slopes.shape[-1]
+    whole = np.zeros((*slopes.shape[:-1], count + -count % LANES))
+    whole[..., :count] = slopes
+    return whole
+
+
+def sample(blocks: Blocks, intervals: Numbers, sampling: str) -> Sampled:
+    """Return ``blocks`` sampled at ``intervals`` (m,) [s].
+
+    ``sampling`` is "instantaneous" or "integrating" of continuous systems, whose readings are taken
+    at the instant or summed over the interval that follows, or "discrete" of matrices of one step.
+    """
+    if not np.all(intervals > 0.0):
+        raise ConfigError("times: each must be later than the one before")
+    batch, rows, columns = blocks.drift.shape
+    states = blocks.start.shape[1]
+    inputs = columns - states - 1
+    mean = np.zeros((batch, intervals.size, rows, columns + inputs), blocks.drift.dtype)
+    noise = np.zeros((batch, intervals.size, rows, rows), blocks.drift.dtype)
+    if sampling == "discrete":
+        mean[..., :states] = blocks.drift[:, None, :, :states]
+        mean[..., states + inputs :] = blocks.drift[:, None, :, states:]
+        noise[:] = blocks.noise[:, None]
+    else:
+        parts = blocks.drift, blocks.noise, blocks.lag
+        sample_blocks(
+            parts, intervals, rows if sampling == "integrating" else states, (mean, noise)
+        )
+    return Sampled(mean, noise, blocks.start, blocks.gain)

@@ -1,0 +1,76 @@
+"""Steering of a boat by its vessel file, in Model 1's terms.
+
+The rudder of a vessel file and that of the models have one sign: positive turns to port. Roll is
+left out of the models: what it does to sway and yaw is small.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.characteristic import HORIZONTAL, Means, dimensional, horizontal
+from trainer.config.vessel import VesselFile
+from trainer.core.kernel import Numbers
+from trainer.identify.model.nomoto import Levers, Nomoto, levers, nomoto, solve_motion, transfer
+
+STEERED: Final = ("v", "r")
+
+
+@dataclass(frozen=True)
+class Steering:
+    """M d(v, r)/dt = F (v, r) + g delta at a speed [m/s], SI."""
+
+    M: Numbers
+    F: Numbers
+    g: Numbers
+    speed: float
+    length: float
+    density: float
+
+    @property
+    def nomoto(self) -> Nomoto:
+        """Return gains and time constants, SI."""
+        return nomoto(transfer(*solve_motion(self.M, self.F, self.g)))
+
+    @property
+    def levers(self) -> Levers:
+        """Return the lever arms and the margin of stability [m]."""
+        return levers(self.F, self.g)
+
+    @property
+    def prime(self) -> dict[str, float]:
+        """Return Model 1's twelve parameters but the wind's, prime system."""
+        mass = 0.5 * self.density * self.length**3
+        L, V = self.length, self.speed
+        Y, N = self.g / (mass * V**2 / np.array([L, 1.0]))
+        return {
+            "m11": self.M[0, 0] / mass,
+            "m12": self.M[0, 1] / (mass * L),
+            "m21": self.M[1, 0] / (mass * L),
+            "m22": self.M[1, 1] / (mass * L**2),
+            "Y_v": self.F[0, 0] * L / (mass * V),
+            "Y_r": self.F[0, 1] / (mass * V),
+            "N_v": self.F[1, 0] / (mass * V),
+            "N_r": self.F[1, 1] / (mass * V * L),
+            "Y_delta": float(Y),
+            "l_delta": float(-N / Y),
+        }
+
+
+def steering(file: VesselFile, speed: float, means: Means = Means()) -> Steering:  # noqa: B008
+    """Return the steering of a boat at ``speed`` [m/s], ``means`` averaged in. Roll is left out."""
+    linear = horizontal(file, speed, means)
+    places = [HORIZONTAL.index(name) for name in STEERED]
+    pick = np.ix_(places, places)
+    c = dimensional(file)
+    g = speed**2 * np.array([c.Y_dr, c.N_dr])
+    length, density = file.hull.length, file.fluid.rho
+    return Steering(linear.E[pick], linear.F[pick], g, speed, length, density)
+
+
+def limits(file: VesselFile) -> tuple[float, float]:
+    """Return limit [rad] and rate [rad/s] of the rudder."""
+    surfaces = file.surfaces
+    return math.radians(surfaces.rudder_limit_deg), math.radians(surfaces.rate_deg_s)

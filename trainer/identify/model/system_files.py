@@ -1,0 +1,298 @@
+"""Systems in TOML files, their matrices made of expressions of parameters.
+
+An expression is read as a tree of numbers, names, + - * / ** and a few functions; anything else is
+refused, and nothing is ever run as a program. Values may be complex: an imaginary step is a
+derivative. A Python file is a program, and is run when it is loaded.
+"""
+
+import ast
+import math
+import operator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError, Place, nearest, parse_toml, quote, read_text
+from trainer.config.schema import (
+    Choice,
+    Flag,
+    Quantity,
+    Rows,
+    Text,
+    Texts,
+    of,
+    optional,
+    read_record,
+    tables_of,
+    within,
+)
+from trainer.identify.kernels.kernel import Entries
+from trainer.identify.model.models import Parameter
+from trainer.identify.model.own_systems import (
+    LARGEST,
+    NAMES,
+    Matrices,
+    System,
+    check_names,
+    check_shapes,
+    load_program,
+    with_kinds,
+)
+
+Row = tuple[object, ...]  # of a matrix
+Value = Any  # a number, or an array of them
+Expression = Callable[[Mapping[str, Value]], Value]
+
+LONGEST: Final = 200  # characters
+DEEPEST: Final = 30  # signs within signs
+CONSTANTS: Final = {"pi": math.pi}
+
+
+def _magnitude(x: Value) -> Value:
+    """Return |x| of a number whose imaginary part is a derivative."""
+    return np.where(np.real(x) >= 0.0, x, -x)
+
+
+FUNCTIONS: Final[Mapping[str, Callable[[Value], Value]]] = {
+    "sqrt": np.sqrt,
+    "exp": np.exp,
+    "log": np.log,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "tanh": np.tanh,
+    "abs": _magnitude,
+}
+SIGNS: Final[Mapping[type, Callable[..., Value]]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: np.divide,
+    ast.Pow: np.power,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
+ALLOWED: Final = f"numbers, parameters, + - * / **, {', '.join((*CONSTANTS, *FUNCTIONS))}"
+
+
+def parse(text: str, names: tuple[str, ...]) -> Expression:
+    """Return the expression in ``text`` of parameters ``names``; ConfigError if it is none."""
+    if len(text) > LONGEST:
+        raise ConfigError(f"expression of {len(text)} characters: must have {LONGEST} at most")
+    try:
+        tree = ast.parse(text.strip(), mode="eval")
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise ConfigError(f"{quote(text)}: is no expression; it may have {ALLOWED}") from None
+    return _built(tree.body, names, 0)
+
+
+def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
+    """Return what computes one node of the tree."""
+    if depth > DEEPEST:
+        raise ConfigError(f"expression: {DEEPEST} signs within one another at most")
+    if isinstance(node, ast.Constant):
+        return _constant(node)
+    if isinstance(node, ast.Name):
+        return _named(node.id, names)
+    parts = tuple(_built(part, names, depth + 1) for part in _operands(node))
+    function = _function(node)
+    return lambda values: function(*(part(values) for part in parts))
+
+
+def _constant(node: ast.Constant) -> Expression:
+    """Return a number; ConfigError if it is another constant."""
+    if isinstance(node.value, bool) or not isinstance(node.value, int | float):
+        raise ConfigError(f"{quote(node.value)}: is no number; there may be {ALLOWED}")
+    try:
+        value = float(node.value)
+    except OverflowError:
+        value = math.inf
+    if not math.isfinite(value):
+        raise ConfigError("expression: a number is too large")
+    return lambda _: value
+
+
+def _named(name: str, names: tuple[str, ...]) -> Expression:
+    """Return the value of a parameter or constant; ConfigError if there is none such."""
+    if name in names:
+        return lambda values: values[name]
+    if name in CONSTANTS:
+        return lambda _: CONSTANTS[name]
+    known = (*names, *CONSTANTS)
+    there = ", ".join(known)
+    raise ConfigError(f"no parameter {quote(name)}{nearest(name, known)}; there are {there}")
+
+
+def _operands(node: ast.expr) -> Iterator[ast.expr]:
+    """Yield what a sign or function is of; ConfigError for anything else."""
+    if isinstance(node, ast.BinOp) and type(node.op) in SIGNS:
+        yield from (node.left, node.right)
+    elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
+        yield node.operand
+    elif isinstance(node, ast.Call) and len(node.args) == 1 and not node.keywords:
+        yield node.args[0]
+    else:
+        raise ConfigError(f"{quote(ast.unparse(node))}: there may be only {ALLOWED}")
+
+
+def _function(node: ast.expr) -> Callable[..., Value]:
+    """Return what a sign or a function does; ConfigError if there is none such."""
+    if isinstance(node, ast.BinOp | ast.UnaryOp):
+        return SIGNS[type(node.op)]
+    name = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
+    if name not in FUNCTIONS:
+        there = ", ".join(FUNCTIONS)
+        raise ConfigError(f"no function {quote(name)}{nearest(name, FUNCTIONS)}; there are {there}")
+    return FUNCTIONS[name]
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """A list of rows, or a list of numbers, whose entries are numbers or expressions."""
+
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "rows", "numbers or expressions", self.meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        entry = {"type": ["number", "string"]}
+        return {"type": "array", "items": {"anyOf": [entry, {"type": "array", "items": entry}]}}
+
+    def read(self, key: str, value: object, place: Place) -> tuple[Row, ...]:
+        """Return the rows; ConfigError if they are not of one length."""
+        if isinstance(value, list) and 0 < len(value) <= LARGEST:
+            rows = tuple(tuple(row) if isinstance(row, list) else (row,) for row in value)
+            if len({len(row) for row in rows}) == 1 and len(rows[0]) <= LARGEST:
+                return rows
+        text = f"must be 1 to {LARGEST} rows of one length, each a list"
+        raise ConfigError(place.wrong(key, value, text))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SystemParameter:
+    """One parameter of a system."""
+
+    name: str = of(Text(20, "a letter, then letters, digits or _"))
+    start: float = of(Quantity("-", within(-1e12, 1e12), "where the search begins"))
+    free: bool | None = optional(Flag("is it estimated? else true"))
+    unit: str | None = optional(Text(12, "for the page; else none"))
+    meaning: str | None = optional(Text(79, "for the reader"))
+
+
+SYSTEM_PARAMETERS: Final = Rows(SystemParameter, ("note",), 1, 60, "parameters, below")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SystemFile:
+    """A system in matrices."""
+
+    schema: str = of(Choice(("system/1",), "form of the file"))
+    name: str = of(Text(79, "what it is"))
+    time: str | None = optional(
+        Choice(("continuous", "discrete"), "discrete matrices lead to the next sample")
+    )
+    inputs: tuple[str, ...] | None = optional(Texts(Text(80, "columns that act"), LARGEST))
+    outputs: tuple[str, ...] = of(Texts(Text(80, "columns that are fitted"), LARGEST))
+    units: tuple[str, ...] | None = optional(Texts(Text(12, "of the outputs"), LARGEST))
+    A: tuple[Row, ...] = of(Matrix("states by states"))
+    B: tuple[Row, ...] | None = optional(Matrix("states by inputs"))
+    f: tuple[Row, ...] | None = optional(Matrix("a constant on each state; else 0"))
+    C: tuple[Row, ...] = of(Matrix("outputs by states"))
+    D: tuple[Row, ...] | None = optional(Matrix("outputs by inputs; else 0"))
+    d: tuple[Row, ...] | None = optional(Matrix("a bias of each output; else 0"))
+    R1: tuple[Row, ...] | None = optional(Matrix("states by states, disturbance; else 0"))
+    R2: tuple[Row, ...] | None = optional(Matrix("outputs by outputs, errors; else 0"))
+    R12: tuple[Row, ...] | None = optional(Matrix("states by outputs, both; else 0"))
+    x0: tuple[Row, ...] | None = optional(Matrix("first state; else 0"))
+    P0: tuple[Row, ...] | None = optional(Matrix("its covariance; else 0"))
+    K: tuple[Row, ...] | None = optional(Matrix("states by outputs, gain of innovations"))
+
+
+def load_system(path: Path) -> System:
+    """Return the system in a TOML file or a program, which is run. ConfigError if it is none."""
+    found = load_program(path) if path.suffix == ".py" else _load_file(path)
+    check_shapes(found)
+    return with_kinds(found)
+
+
+def _load_file(path: Path) -> System:
+    """Return the system of a TOML file, its expressions parsed; ConfigError with all faults."""
+    table, place = parse_toml(read_text(path), path.name), Place(path.name, "")
+    own = {key: value for key, value in table.items() if key != "parameters"}
+    file = read_record(SystemFile, own, place, ("note",))
+    rows = SYSTEM_PARAMETERS.read("parameters", table.get("parameters", []), place)
+    names = tuple(row.name for row in rows)
+    check_names(path, names)
+    for name in names:
+        if name in FUNCTIONS or name in CONSTANTS:
+            told = "is the name of a function or constant"
+            raise ConfigError(f"{path.name}: parameter {quote(name)}: {told}")
+    matrices = {name: getattr(file, name) for name in NAMES if getattr(file, name) is not None}
+    problems, parsed = [], {}
+    for key, entries in matrices.items():
+        try:
+            parsed[key] = [[_entry(one, names) for one in row] for row in entries]
+        except ConfigError as wrong:
+            problems.append(place.problem(f"{key}: {wrong}"))
+    if problems:
+        raise ConfigError(*problems)
+    return System(
+        path=path,
+        name=file.name,
+        discrete=file.time == "discrete",
+        inputs=file.inputs or (),
+        outputs=file.outputs,
+        units=file.units or ("-",) * len(file.outputs),
+        parameters=tuple(Parameter(row.name, row.meaning or "", row.unit or "-") for row in rows),
+        starts=np.array([row.start for row in rows]),
+        held=tuple(row.name for row in rows if row.free is False),
+        states=len(file.A),
+        matrices=_Written(names, parsed),
+        touched={},
+        how="",
+    )
+
+
+def _entry(value: object, names: tuple[str, ...]) -> float | Expression:
+    """Return a number or an expression; ConfigError if it is neither."""
+    if isinstance(value, str):
+        return parse(value, names)
+    if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > 1e300:
+        raise ConfigError(f"{quote(value)}: must be a number or an expression")
+    return float(value)
+
+
+@dataclass(frozen=True, eq=False)
+class _Written:
+    """The matrices of a TOML file."""
+
+    names: tuple[str, ...]
+    entries: Mapping[str, list[list[float | Expression]]]
+
+    def __call__(self, theta: Entries) -> Matrices:
+        """Return the matrices of each row of parameters."""
+        values, found = dict(zip(self.names, theta.T, strict=True)), {}
+        with np.errstate(all="ignore"):
+            for name, rows in self.entries.items():
+                out = np.zeros((len(theta), len(rows), len(rows[0])), theta.dtype)
+                for i, row in enumerate(rows):
+                    for j, entry in enumerate(row):
+                        out[:, i, j] = entry if isinstance(entry, float) else entry(values)
+                found[name] = out
+        return found
+
+
+RECORDS: Final = {"": SystemFile, "[parameters]": SystemParameter}
+
+
+def key_tables() -> str:
+    """Return the Markdown tables of a system file's keys, as docs/identification.md shows them."""
+    return tables_of(RECORDS)

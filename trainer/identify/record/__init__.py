@@ -1,0 +1,1 @@
+"""Records of a ship under helm: read, examined, guessed, and their study."""

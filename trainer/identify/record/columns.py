@@ -1,0 +1,216 @@
+"""Columns of a record guessed from a file: by their names, units and numbers."""
+
+import difflib
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.config.tables import Table, spelt
+from trainer.core.kernel import Numbers
+from trainer.identify.record.measurements import CHANNELS, PLACES
+from trainer.identify.record.sources import Column, load_record, units_of
+from trainer.identify.record.track import derivative, unwrapped
+
+Words = Mapping[str, tuple[str, ...]]
+
+WORDS: Final[Words] = {  # what a column of a channel is called
+    "t": ("t", "time", "utc", "timestamp", "date time", "clock"),
+    "rudder": ("rudder", "rudder angle", "helm", "delta", "delta r", "delta rudder"),
+    "heading": ("heading", "hdg", "psi", "gyro", "compass", "yaw", "yaw angle"),
+    "yaw_rate": ("yaw rate", "rot", "r", "rate of turn", "turn rate", "rate"),
+    "sway": ("sway", "v", "vm", "sway velocity", "sway speed", "lateral speed"),
+    "bow_sway": ("bow sway", "v1", "bow log"),
+    "stern_sway": ("stern sway", "v2", "stern log"),
+    "speed": ("speed", "u", "stw", "log", "surge", "speed through water"),
+    "latitude": ("latitude", "lat"),
+    "longitude": ("longitude", "lon", "long"),
+}
+SHIP_WORDS: Final[Words] = {  # of records for ships that are not linear
+    **{key: WORDS[key] for key in ("t", "rudder", "heading", "yaw_rate", "sway", "speed")},
+    "revolutions": (
+        *("revolutions", "n", "rpm", "rps", "revs", "propeller", "n prop", "propeller speed"),
+        *("propeller revolutions", "shaft speed", "shaft revolutions", "engine speed"),
+    ),
+    "north_velocity": ("north velocity", "velocity north", "vn", "x0 dot", "x dot", "dx0"),
+    "east_velocity": ("east velocity", "velocity east", "ve", "y0 dot", "y dot", "dy0"),
+    "wind_speed": ("wind speed", "relative wind speed", "apparent wind speed", "wind relative"),
+    "wind_from": (
+        *("wind direction", "wind angle", "wind dir", "relative wind direction"),
+        *("apparent wind angle", "wind dir relative"),
+    ),
+    "wind_ahead": ("wind ahead",),
+    "wind_starboard": ("wind starboard",),
+    "roll": ("roll", "phi", "heel", "roll angle"),
+    "roll_rate": ("roll rate", "p"),
+}
+EARTH: Final = "true"  # wind over ground is called so
+PAIRS: Final = (  # channels that tell nothing alone
+    ("north_velocity", "east_velocity"),
+    ("wind_speed", "wind_from"),
+    ("wind_ahead", "wind_starboard"),
+)
+LIKE: Final = 0.75  # [-] likeness of two names that are one
+ENDINGS: Final = (  # of a heading such as psi_deg
+    *("deg s", "deg min", "rad s", "m s", "deg", "rad", "kn", "kts", "s", "ms", "min"),
+    *("rpm", "rps"),
+)
+FILLERS: Final = frozenset(  # words of a heading that tell no channel from another
+    (
+        "velo",
+        "velocity",
+        "vel",
+        "angvelo",
+        "hat",
+        "mid",
+        "midship",
+        "actual",
+        "measured",
+        "filtered",
+    )
+)
+HALF_ROUND: Final = 1.6  # [rad] no rudder goes so far
+ROUND: Final = 7.0  # [rad] a heading beyond it is in degrees
+FAST: Final = 12.0  # [m/s] what goes faster is in knots
+GALE: Final = 40.0  # [m/s] as a wind
+MODEL: Final = 2.5  # [m/s] a model in a basin is slower
+TURNS: Final = (5.0, 60.0)  # [1/s] no propeller of a ship turns faster, and of a model
+TURNING: Final = 0.05  # [1/s] usual yaw rate to a rudder
+LIMITS: Final = {  # of a channel: beyond this, and its units
+    "rudder": (HALF_ROUND, "rad", "deg"),
+    "heading": (ROUND, "rad", "deg"),
+    "wind_from": (ROUND, "rad", "deg"),
+    "wind_speed": (GALE, "m/s", "kn"),
+    "wind_ahead": (GALE, "m/s", "kn"),
+    "wind_starboard": (GALE, "m/s", "kn"),
+    "roll": (HALF_ROUND, "rad", "deg"),
+}
+ALIKE: Final = {"roll": "heading", "roll_rate": "yaw_rate"}  # of one instrument
+READ: Final = (*CHANNELS, "t", *PLACES)  # of a record
+NAUTICAL: Final = re.compile(r"-?\d{4,5}(?:\.|$)")  # 5430.5 is a place in degrees and minutes
+
+
+@dataclass(frozen=True)
+class GuessedColumns:
+    """The columns by channel, and the channels whose unit is a guess."""
+
+    columns: Mapping[str, Column]
+    unsure: frozenset[str]
+
+
+def guess_columns(table: Table, words: Words) -> GuessedColumns:
+    """Return the likeliest columns of a file for the channels of ``words``."""
+    named = _by_name(table, words)
+    named |= _clock(table, named)
+    found = {channel: named[channel] for channel in words if channel in named}
+    known: dict[str, str] = {}
+    for channel, head in found.items():
+        place = table.place(head)
+        said = [one for one in (table.units[place], _plain(head)[1]) if one in units_of(channel)]
+        if said or table.is_clock(place):
+            known[channel] = [*said, "s"][0]
+    unsure = found.keys() - known.keys()
+    for channel in found:
+        if channel in unsure:
+            known[channel] = _unit(table, channel, found, known)
+    columns = {channel: Column(head, known[channel]) for channel, head in found.items()}
+    return GuessedColumns(columns, frozenset(unsure))
+
+
+def _by_name(table: Table, words: Words) -> dict[str, str]:
+    """Return the headings by channel; each is taken once."""
+    likeness = {
+        (channel, head): _likeness(_plain(head)[0], channel, words[channel])
+        for channel in words
+        for head in table.names
+    }
+    found: dict[str, str] = {}
+    for (channel, head), like in sorted(likeness.items(), key=lambda pair: -pair[1]):
+        if like >= LIKE and channel not in found and head not in found.values():
+            found[channel] = head
+    for pair in PAIRS:
+        if not all(channel in found for channel in pair):
+            found = {channel: head for channel, head in found.items() if channel not in pair}
+    return found
+
+
+def _clock(table: Table, found: Mapping[str, str]) -> dict[str, str]:
+    """Return the column of times by its unit or dates, where none has the name of one."""
+    if "t" in found:
+        return {}
+    for place, (name, unit) in enumerate(zip(table.names, table.units, strict=True)):
+        if name not in found.values() and (unit in units_of("t") or table.is_clock(place)):
+            return {"t": name}
+    return {}
+
+
+def _plain(name: str) -> tuple[str, str]:
+    """Return a heading in small letters without its unit, and that: psi_deg is psi in deg."""
+    words = re.sub(r"[\W_]+", " ", name.casefold()).strip()
+    for ending in ENDINGS:
+        if words.endswith(f" {ending}"):
+            return words.removesuffix(f" {ending}"), spelt(ending.replace(" ", "/"))
+    return words, ""
+
+
+def _likeness(name: str, channel: str, words: Iterable[str]) -> float:
+    """Return how like a name is to the usual ones of a channel [-]; 1 for one of them."""
+    if channel.startswith("wind") and EARTH in name.split():
+        return 0.0
+    bare = " ".join(word for word in name.split() if word not in FILLERS)
+    return max(
+        difflib.SequenceMatcher(None, one, word).ratio()
+        for one in {name, bare or name}
+        for word in words
+    )
+
+
+def _unit(table: Table, channel: str, columns: Mapping[str, str], units: Mapping[str, str]) -> str:
+    """Return the likeliest unit of a column by its numbers."""
+    if channel == "t":
+        return "s"
+    if channel in PLACES:
+        both = [table.place(columns[one]) for one in PLACES if one in columns]
+        cells = (row[place] for row in table.cells for place in both)
+        return "ddmm" if any(map(NAUTICAL.match, cells)) else "deg"
+    values = table.numbers(table.place(columns[channel]))
+    if channel == "yaw_rate":
+        return _rate_unit(table, values, columns, units)
+    if channel == "revolutions":
+        return _turning_unit(table, values, columns, units)
+    if channel in ALIKE and ALIKE[channel] in units:
+        return units[ALIKE[channel]]
+    limit, small, large = LIMITS.get(channel, (FAST, "m/s", "kn"))
+    return large if float(np.nanmax(np.abs(values))) > limit else small
+
+
+def _rate_unit(
+    table: Table, values: Numbers, columns: Mapping[str, str], units: Mapping[str, str]
+) -> str:
+    """Return the unit in which a yaw rate is nearest to the heading's, or to a usual ship's."""
+    wanted = {one: Column(columns[one], units[one]) for one in units if one in READ}
+    record = load_record(table.path, wanted)
+    size = 0.0
+    if record.heading is not None:
+        size = float(np.nanstd(derivative(unwrapped(record.heading), record.interval)))
+    elif record.rudder is not None:
+        size = TURNING * float(np.std(record.rudder))
+    own, known = float(np.nanstd(values)), units_of("yaw_rate")
+    if not (own > 0.0 and size > 0.0):
+        return "deg/s"
+    return min(known, key=lambda one: abs(math.log(own * known[one] / size)))
+
+
+def _turning_unit(
+    table: Table, values: Numbers, columns: Mapping[str, str], units: Mapping[str, str]
+) -> str:
+    """Return the unit of revolutions: a ship's propeller turns more slowly than a model's."""
+    limit, _ = TURNS
+    if "speed" in units:
+        factor = units_of("speed")[units["speed"]]
+        speed = factor * np.abs(table.numbers(table.place(columns["speed"])))
+        limit = TURNS[float(np.nanmedian(speed)) < MODEL]
+    return "rpm" if float(np.nanmedian(np.abs(values))) > limit else "1/s"

@@ -1,0 +1,374 @@
+"""The faults of a record before any fit, by column and row.
+
+What cannot be used is refused with a ConfigError; what may mislead is told.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.config.tables import EVEN
+from trainer.core.kernel import Numbers
+from trainer.identify.record.measurements import OUTPUTS, PLACES, Finding, Record
+from trainer.identify.record.study_records import Ship
+from trainer.identify.record.track import unwrapped
+from trainer.units import KNOT
+
+GAP: Final = 1.5  # [-] of the usual interval: a longer one is a gap
+STILL: Final = math.radians(0.01)  # [rad] standard deviation of a rudder that does not move
+TURNED: Final = math.radians(100.0)  # [rad] no rudder goes so far, no ship turns so fast a second
+FAINT: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
+SURE: Final = 4.0  # standard errors
+FOLLOWS: Final = 0.98  # [-] share of the rudder explained by the motion, beyond which it follows it
+MISTAKEN: Final = (  # what the yaw rate is then of the heading's change [-]
+    (180.0 / math.pi, "one of them is in degrees and the other is not"),
+    (math.pi / 180.0, "one of them is in radians and the other is not"),
+    (-1.0, "one of them is positive to port"),
+    (60.0, "the rate is per minute, not per second"),
+)
+SPEEDS: Final = (  # what a speed is then of what it must be [-]
+    (KNOT, "is it in m/s?"),
+    (1.0 / KNOT, "is it in kn?"),
+    (-1.0, "is it positive to port?"),
+)
+HALF_TURN: Final = math.pi
+FEWEST: Final = 20  # samples, to judge signs and loops
+SWINGS: Final = 1 / 30, 30.0  # [-] deviation of the heading over the rudder's: no trial goes beyond
+TURNS: Final = 0.03, 15.0  # [-] likewise yaw rate's over the rudder's, in ship lengths a second
+PIVOT: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
+SPIKE: Final = 10.0  # [-] of the usual scatter, that one reading stands out from its neighbours
+
+
+def examine(record: Record, ship: Ship | None = None) -> list[Finding]:
+    """Return what may mislead in a record; ConfigError with all that forbids its use.
+
+    Of a ``ship`` that is known, sizes are judged by its length and speed.
+    """
+    problems = [*_rudder_problems(record), *_unit_problems(record)]
+    if problems:
+        raise ConfigError(*(f"{record.source}: {problem}" for problem in problems))
+    found = [*record.told, *_intervals(record), *_missing_outputs(record), *_jumps(record)]
+    found += [*_wrong_sign(record), *_find_feedback(record), *_constant_outputs(record)]
+    return [*found, *_spikes(record), *_swing(record), *(_sizes(record, ship) if ship else ())]
+
+
+def examine_columns(record: Record) -> list[Finding]:
+    """Return what may mislead in the columns of a user's own system; ConfigError if unusable."""
+    problems, found = [], [*record.told, *_intervals(record)]
+    for name, values in record.plain.items():
+        missing = _missing(record, name, values)
+        count, acts = int(np.count_nonzero(np.isnan(values))), name in record.driving
+        if missing and (count == len(values) or acts):
+            what = "an input must be known at each row; it is empty" if acts else "has no value"
+            problems.append(f"{record.source}: {replace(missing, text=what)}")
+        elif missing:
+            found.append(missing)
+        elif np.ptp(values) == 0.0:
+            found.append(Finding(name, 0, f"is {values[0]:g} in all rows"))
+    if problems:
+        raise ConfigError(*problems)
+    return found
+
+
+def _missing(record: Record, name: str, values: Numbers) -> Finding | None:
+    """Return how many values of a column are missing; None if none is."""
+    missing = np.isnan(values)
+    text = f"{np.count_nonzero(missing)} of {len(values)} values are missing, the first here"
+    return Finding(name, record.row(int(np.argmax(missing))), text) if missing.any() else None
+
+
+def unwrap_heading(record: Record) -> Record:
+    """Return the record with a heading that does not jump by whole turns."""
+    if record.heading is None:
+        return record
+    return replace(record, heading=unwrapped(record.heading))
+
+
+def _rudder_problems(record: Record) -> Iterator[Finding]:
+    """Yield why the rudder cannot be an input."""
+    rudder, name = record.column("rudder"), record.name("rudder")
+    missing = np.isnan(rudder)
+    if missing.any():
+        place = int(np.argmax(missing))
+        yield Finding(name, record.row(place), "the rudder must be known at each row; it is empty")
+        return
+    if float(np.std(rudder)) < STILL:
+        held = math.degrees(float(np.mean(rudder)))
+        yield Finding(
+            name, 0, f"stands at {held:g} deg in all rows: nothing is learnt from a rudder at rest"
+        )
+
+
+def _unit_problems(record: Record) -> Iterator[Finding]:
+    """Yield numbers that cannot be in the unit that was said."""
+    for channel in ("rudder", "yaw_rate"):
+        values = getattr(record, channel)
+        if values is None or not (beyond := np.abs(np.nan_to_num(values)) > TURNED).any():
+            continue
+        place = int(np.argmax(beyond))
+        yield Finding(
+            record.name(channel),
+            record.row(place),
+            f"{values[place]:g} rad{'/s' if channel == 'yaw_rate' else ''} cannot be; "
+            f'are these degrees? say unit = "deg{"/s" if channel == "yaw_rate" else ""}"',
+        )
+    slope = _rate_slope(record)
+    if slope is None:
+        return
+    texts = [text for factor, text in MISTAKEN if 0.7 < slope / factor < 1.4]
+    if texts:
+        columns = f"{record.name('yaw_rate')} and {record.name('heading')}"
+        told = ", or ".join(texts)
+        yield Finding(columns, 0, f"the rate is {slope:.3g} of the heading's change: {told}")
+
+
+def _rate_slope(record: Record) -> float | None:
+    """Return the yaw rate over the rate of change of the heading [-]; None if that is not known."""
+    if record.heading is None or record.yaw_rate is None:
+        return None
+    turned = replace(record, yaw_rate=None).column("turning")[:-1]
+    return _gain(0.5 * (record.yaw_rate[1:] + record.yaw_rate[:-1]), turned)
+
+
+def _gain(y: Numbers, x: Numbers) -> float | None:
+    """Return how many times ``x`` a series is; None if they have less than half in common."""
+    good = ~np.isnan(y) & ~np.isnan(x)
+    if np.count_nonzero(good) < FEWEST:
+        return None
+    y, x = y[good] - y[good].mean(), x[good] - x[good].mean()
+    if _correlation(x, y) ** 2 < 0.5:
+        return None
+    # both are noisy: the geometric mean of the two regressions favours neither
+    return math.copysign(float(np.std(y) / np.std(x)), float(x @ y))
+
+
+def _correlation(a: Numbers, b: Numbers) -> float:
+    """Return the correlation of two series of zero mean [-]."""
+    size = math.sqrt(float(a @ a) * float(b @ b))
+    return float(a @ b) / size if size > 0.0 else 0.0
+
+
+def _intervals(record: Record) -> Iterator[Finding]:
+    """Yield the gaps in time, and that the interval varies."""
+    step, usual = np.diff(record.t), record.interval
+    gaps = np.flatnonzero(step > GAP * usual)
+    name = record.name("t")
+    if gaps.size:
+        first = int(gaps[0])
+        more = f"; {gaps.size - 1} more such gaps" if gaps.size > 1 else ""
+        yield Finding(
+            name,
+            record.row(first + 1),
+            f"{step[first]:g} s have passed, the interval is {usual:g} s{more}",
+        )
+    others = np.abs(step / usual - np.maximum(np.round(step / usual), 1.0)) > EVEN
+    if others.any():
+        place = int(np.argmax(others))
+        share = f"{np.count_nonzero(others)} of {step.size}"
+        yield Finding(
+            name,
+            record.row(place + 1),
+            f"{step[place]:g} s have passed, not {usual:g} s: the interval varies ({share})",
+        )
+
+
+def _missing_outputs(record: Record) -> Iterator[Finding]:
+    """Yield which outputs have missing values."""
+    for channel in OUTPUTS:
+        values = getattr(record, channel)
+        if values is None or (found := _missing(record, record.name(channel), values)) is None:
+            continue
+        if np.isnan(values).all():
+            raise ConfigError(f"{record.source}: {record.name(channel)}: has no value at all")
+        yield found
+
+
+def _jumps(record: Record) -> Iterator[Finding]:
+    """Yield where the heading jumps by a turn: it was wrapped, and will be unwrapped."""
+    if record.heading is None:
+        return
+    jumps = np.abs(np.diff(record.heading)) > HALF_TURN
+    if jumps.any():
+        row = record.row(int(np.argmax(jumps)) + 1)
+        text = f"jumps by more than half a turn ({np.count_nonzero(jumps)} times): unwrapped"
+        yield Finding(record.name("heading"), row, text)
+    largest = float(np.nanmax(np.abs(record.heading)))
+    if largest > 100.0 * math.tau:
+        row = record.row(int(np.nanargmax(np.abs(record.heading))))
+        text = f"{largest:g} rad is {largest / math.tau:.0f} turns: are these degrees?"
+        yield Finding(record.name("heading"), row, text)
+
+
+def _wrong_sign(record: Record) -> Iterator[Finding]:
+    """Yield that the rudder turns the ship the other way than is said, or hardly turns at all."""
+    rudder = record.column("rudder")
+    name, largest = record.name("rudder"), float(np.max(np.abs(rudder)))
+    if largest < FAINT:
+        row = record.row(int(np.argmax(np.abs(rudder))))
+        yield Finding(
+            name,
+            row,
+            f'{math.degrees(largest):.2g} deg is the largest: is it radians? say unit = "rad"',
+        )
+    turning = positive_turns(record)
+    if turning is not None and turning > 0.0:
+        yield Finding(
+            name,
+            0,
+            f"positive helm turns this ship to starboard ({turning:.0f} standard errors); "
+            'here it must turn to port: say positive_rudder = "starboard"',
+        )
+
+
+def positive_turns(record: Record) -> float | None:
+    """Return how surely a positive rudder turns to starboard [standard errors], below 0 to port.
+
+    None if this cannot be told.
+    """
+    rate, rudder = record.turning, record.column("rudder")
+    if rate is None:
+        return None
+    before = np.column_stack([rate[:-1], rudder[:-1], np.ones(len(rate) - 1)])
+    good = ~np.isnan(rate[1:] + rate[:-1] + rudder[:-1])
+    if np.count_nonzero(good) < FEWEST:
+        return None
+    value, error = _slope(before[good], rate[1:][good], 1)
+    return value / error if abs(value) > SURE * error else None
+
+
+def _slope(regressors: Numbers, y: Numbers, place: int) -> tuple[float, float]:
+    """Return one coefficient of a linear regression and its standard error."""
+    found, *_ = np.linalg.lstsq(regressors, y, rcond=None)
+    left = y - regressors @ found
+    variance = float(left @ left) / max(len(y) - regressors.shape[1], 1)
+    error = math.sqrt(variance * float(np.linalg.pinv(regressors.T @ regressors)[place, place]))
+    return float(found[place]), max(error, 1e-300)
+
+
+def follows_motion(record: Record) -> float | None:
+    """Return the share of the rudder that heading and yaw rate explain [-]. None if unknown.
+
+    A helmsman or autopilot without an experiment of its own leaves it near 1.
+    """
+    rate = record.turning
+    if rate is None:
+        return None
+    rate, rudder = np.nan_to_num(rate), record.column("rudder")
+    turned = np.concatenate([[0.0], np.cumsum(rate[:-1] * np.diff(record.t))])
+    heading = turned if record.heading is None else np.unwrap(np.nan_to_num(record.heading))
+    since = record.t - record.t[0]
+    wound = np.concatenate([[0.0], np.cumsum(heading[:-1] * np.diff(record.t))])
+    regressors = np.column_stack([np.ones_like(since), since, rate, heading, wound])
+    regressors /= np.maximum(np.abs(regressors).max(axis=0), 1e-300)
+    found, *_ = np.linalg.lstsq(regressors, rudder, rcond=None)
+    return 1.0 - float(np.var(rudder - regressors @ found) / np.var(rudder))
+
+
+def _find_feedback(record: Record) -> Iterator[Finding]:
+    """Yield that the rudder does nothing but follow the motion."""
+    share = follows_motion(record) if len(record.t) >= FEWEST else None
+    if share is not None and share > FOLLOWS:
+        yield Finding(
+            record.name("rudder"),
+            0,
+            f"{share:.1%} of it follows from heading and yaw rate: a closed loop without an "
+            "experiment; what is fitted may be the helmsman's law, not the ship",
+        )
+
+
+def _constant_outputs(record: Record) -> Iterator[Finding]:
+    """Yield outputs that never change."""
+    for channel in OUTPUTS:
+        values = getattr(record, channel)
+        if values is not None and channel != "speed" and _is_constant(values):
+            yield Finding(record.name(channel), 0, "is the same in all rows: is it recorded?")
+
+
+def _is_constant(values: Numbers) -> bool:
+    """Return whether all values that there are are one and the same."""
+    return bool(np.nanmax(values) == np.nanmin(values))
+
+
+def _spikes(record: Record) -> Iterator[Finding]:
+    """Yield readings that stand out from both neighbours: outliers."""
+    for channel in (*OUTPUTS, *PLACES):
+        values = getattr(record, channel)
+        if values is None or len(values) < FEWEST:
+            continue
+        values = unwrapped(values) if channel in ("heading", "longitude") else values
+        steps = np.abs(np.diff(values))
+        off = values[1:-1] - 0.5 * (values[2:] + values[:-2])
+        least = np.nanmin(steps, where=steps > 0.0, initial=np.inf)  # of a rounded reading
+        limit = SPIKE * max(1.5 * float(np.nanmedian(np.abs(off))), float(least))
+        # a lone reading takes half of its error to either side, a ship that turns does not
+        beside = -0.25 * np.abs(off[1:-1]) > np.sign(off[1:-1]) * np.stack([off[2:], off[:-2]])
+        found = np.flatnonzero((np.abs(off[1:-1]) > limit) & beside.all(axis=0)) + 2
+        if found.size:
+            times = SPIKE * abs(off[found[0] - 1]) / limit
+            more = f"; {found.size - 1} more" if found.size > 1 else ""
+            text = f"stands out from its neighbours by {times:.0f} times the usual scatter{more}: "
+            remedy = "an outlier? [model] reject = 1e-6 leaves such out"
+            yield Finding(record.name(channel), record.row(int(found[0])), text + remedy)
+
+
+def _swing(record: Record) -> Iterator[Finding]:
+    """Yield that the heading moves too little or too much for the rudder: degrees and radians."""
+    if record.heading is None or _is_constant(record.heading):
+        return
+    steps = np.abs(np.diff(record.heading))
+    steps = steps[~np.isnan(steps)]
+    for turn, unit in ((math.radians(math.tau), "rad"), (360.0, "deg")):
+        jumps = np.abs(steps - turn) < 0.03 * turn
+        if jumps.any() and np.max(steps, where=~jumps, initial=0.0) < 0.5 * turn:
+            text = f"jumps by {turn:.4g} rad, which would be a turn: is it in {unit}?"
+            yield Finding(record.name("heading"), 0, f'{text} say unit = "{unit}"')
+            return
+    share = float(np.nanstd(unwrapped(record.heading)) / np.std(record.column("rudder")))
+    if not SWINGS[0] < share < SWINGS[1]:
+        unit = "rad" if share < 1.0 else "deg"
+        text = f"swings {share:.2g} times as far as {record.name('rudder')}: is it in {unit}?"
+        yield Finding(record.name("heading"), 0, f'{text} say unit = "{unit}"')
+
+
+def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
+    """Yield what cannot be of a ship of that length and speed."""
+    speed = ship.speed_kn * KNOT if ship.speed_kn else None
+    if record.speed is not None:
+        mean = float(np.nanmean(record.speed))
+        yield from _mistaken(record, "speed", mean / speed if speed else None)
+        speed = speed or mean
+    rate, sway = record.turning, record.sway
+    if record.yaw_rate is not None and speed:
+        size = float(np.nanstd(record.yaw_rate) / np.std(record.column("rudder")))
+        turned = size * ship.length_m / speed
+        if turned and not TURNS[0] < turned < TURNS[1]:
+            text = f"turns the ship by {turned:.2g} of the rudder's angle in a ship length: "
+            remedy = f"are it and {record.name('rudder')} in the units said?"
+            yield Finding(record.name("yaw_rate"), 0, text + remedy)
+    if rate is None:
+        return
+    if sway is not None and (gain := _gain(sway, rate)) is not None:
+        ahead = -gain / ship.length_m
+        if not PIVOT[0] < ahead < PIVOT[1]:
+            unit = SPEEDS[2 if ahead < 0.0 else 0 if ahead < PIVOT[0] else 1][1]
+            text = f"would turn the ship about a point {ahead:.2g} lengths ahead of the middle"
+            yield Finding(record.name("sway"), 0, f"{text}: {unit}")
+    bow, stern, apart = record.bow_sway, record.stern_sway, ship.bow_log_m
+    if bow is not None and stern is not None and apart and ship.stern_log_m:
+        gain = _gain(bow - stern, rate)
+        share = gain and gain / (apart + ship.stern_log_m)
+        yield from _mistaken(record, "bow_sway", share, "stern_sway")
+
+
+def _mistaken(
+    record: Record, channel: str, share: float | None, other: str = ""
+) -> Iterator[Finding]:
+    """Yield what makes a speed that ``share`` of what it must be."""
+    for factor, text in SPEEDS if share else ():
+        if share and 0.75 < share / factor < 1.33:
+            names = " and ".join(record.name(one) for one in (channel, other) if one)
+            yield Finding(names, 0, f"{share:.2g} of what the ship's numbers say: {text}")

@@ -1,0 +1,82 @@
+"""Arrays by channel become a record, in the place of a file."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, cast
+
+import numpy as np
+
+from trainer.config.files import ConfigError, nearest
+from trainer.core.kernel import Numbers
+from trainer.identify.record.measurements import CHANNELS, Record
+from trainer.identify.record.sources import (
+    FURTHER_COLUMNS,
+    OWN,
+    Column,
+    check_times,
+    factor,
+)
+
+
+def columns_of(
+    frame: Mapping[str, Any],
+    columns: Mapping[str, str],
+    units: Mapping[str, str],
+    further: Iterable[str],
+) -> dict[str, Column]:
+    """Return the column of each channel, ``further`` ones among them. ConfigError.
+
+    ``columns`` and ``units`` are those that the caller names, by channel.
+    """
+    channels, known_as = ("t", *CHANNELS, *further), {**OWN, **FURTHER_COLUMNS}
+    for name in (*columns, *units):
+        if name not in channels:
+            there = ", ".join(channels)
+            raise ConfigError(f"no channel {name!r}{nearest(name, channels)}; there are {there}")
+    found = {}
+    for channel in channels:
+        usual = [channel, known_as.get(channel, channel)]
+        names = [columns[channel]] if channel in columns else usual
+        column = next((name for name in names if name in names_of(frame)), None)
+        if column is not None:
+            found[channel] = Column(column, units.get(channel))
+        elif channel in columns or channel in ("t", "rudder"):
+            known = ", ".join(map(str, names_of(frame)))
+            raise ConfigError(f"frame: no column {names[0]!r} for {channel}; it has {known}")
+    return found
+
+
+def names_of(frame: Mapping[str, Any]) -> list[str]:
+    """Return the names of a frame's columns, and of its index if it has one."""
+    index = getattr(getattr(frame, "index", None), "name", None)
+    return [*frame.keys(), *([index] if index else [])]
+
+
+def arrays_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> dict[str, Numbers]:
+    """Return arrays by channel, SI; ConfigError naming a column that cannot be used."""
+    taken: dict[str, Numbers] = {}
+    for channel, column in columns.items():
+        scale = factor(channel, column.unit)
+        # the index of a pandas frame is no column of it
+        found = frame[column.name] if column.name in frame else cast("Any", frame).index
+        values = np.asarray(found)
+        if values.dtype.kind == "M":
+            values = (values - values[0]) / np.timedelta64(1, "s")
+        try:
+            taken[channel] = np.asarray(values, float) * scale
+        except (TypeError, ValueError) as error:
+            raise ConfigError(f"frame: {column.name}: is no array of numbers: {error}") from None
+        size = taken[next(iter(taken))].shape
+        if taken[channel].ndim != 1 or taken[channel].shape != size:
+            shape = taken[channel].shape
+            raise ConfigError(f"frame: {column.name}: has shape {shape}, must be {size[:1]}")
+    return taken
+
+
+def record_of(taken: Mapping[str, Numbers], columns: Mapping[str, Column]) -> Record:
+    """Return the record of arrays by channel; ConfigError if times do not rise."""
+    names = {channel: column.name for channel, column in columns.items()}
+    own: dict[str, Any] = {channel: one for channel, one in taken.items() if channel != "t"}
+    rows = np.arange(len(taken["t"]))
+    record = Record(source="frame", t=taken["t"], rows=rows, names=names, **own)
+    check_times(record)
+    return record

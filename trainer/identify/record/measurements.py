@@ -1,0 +1,221 @@
+"""A record of a ship under helm, as read and as models take it.
+
+The rudder is positive when it turns the ship to port (trailing edge to port), as in the report and
+in the trainer; a source with the other sign says so in the study file.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.model.models import UNITS
+from trainer.units import DEGREE
+
+CHANNELS: Final = {  # what may be recorded beside time, and its unit
+    "rudder": "rad",
+    "heading": "rad",
+    "yaw_rate": "rad/s",
+    "sway": "m/s",
+    "bow_sway": "m/s",
+    "stern_sway": "m/s",
+    "speed": "m/s",
+}
+PLACES: Final = ("latitude", "longitude")  # that sway is made of
+SAMPLES: Final = 5  # to a coefficient, at least
+OUTPUTS: Final = tuple(name for name in CHANNELS if name != "rudder")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something about a record that an analyst should know; row 0 is the whole column."""
+
+    column: str
+    row: int
+    text: str
+
+    def __str__(self) -> str:
+        where = f"row {self.row}: " if self.row else ""
+        return f"{where}{self.column}: {self.text}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """Columns of one length. NaN is a missing value, None a channel that was not recorded.
+
+    ``rudder[k]`` acts from ``t[k]`` to ``t[k+1]``. The heading is not wrapped. ``rows`` is the
+    place of each sample in its source, as people count, and ``names`` the source's own word for
+    each channel, for messages. ``told`` is what was found when it was read.
+    """
+
+    source: str
+    t: Numbers  # [s] rising
+    rudder: Numbers | None = None  # [rad] positive turns to port
+    heading: Numbers | None = None  # [rad]
+    yaw_rate: Numbers | None = None  # [rad/s]
+    sway: Numbers | None = None  # [m/s] at the centre of mass, positive to starboard
+    bow_sway: Numbers | None = None  # [m/s] at the forward log
+    stern_sway: Numbers | None = None  # [m/s] at the aft log
+    speed: Numbers | None = None  # [m/s]
+    latitude: Numbers | None = None  # [rad] of the antenna
+    longitude: Numbers | None = None  # [rad] likewise
+    rows: NDArray[np.int64]
+    names: Mapping[str, str]
+    told: tuple[Finding, ...] = ()
+    plain: Mapping[str, Numbers] = field(default_factory=dict)  # columns of a user's own system
+    driving: tuple[str, ...] = ()  # of them, those that act
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Return the channels that were recorded."""
+        return tuple(name for name in CHANNELS if getattr(self, name) is not None)
+
+    @property
+    def interval(self) -> float:
+        """Return the usual time [s] from sample to sample."""
+        return float(np.median(np.diff(self.t)))
+
+    def column(self, channel: str) -> Numbers:
+        """Return a channel; ConfigError if it was not recorded."""
+        values: Numbers | None = self.plain.get(channel, getattr(self, channel, None))
+        if values is None:
+            has = ", ".join(self.channels) or "nothing"
+            raise ConfigError(f"{self.source}: no {channel} was recorded; there is {has}")
+        return values
+
+    @property
+    def turning(self) -> Numbers | None:
+        """Return the yaw rate [rad/s], that of the heading if no rate was recorded."""
+        if self.yaw_rate is not None or self.heading is None:
+            return self.yaw_rate
+        change = np.diff(np.unwrap(np.nan_to_num(self.heading))) / np.diff(self.t)
+        change[np.isnan(np.diff(self.heading))] = np.nan
+        return np.append(change, change[-1])
+
+    def name(self, channel: str) -> str:
+        """Return the source's word for a channel."""
+        return self.names.get(channel, channel)
+
+    def row(self, place: int) -> int:
+        """Return the source's row of a sample, as people count."""
+        return int(self.rows[place])
+
+    def part(self, places: Any) -> "Record":
+        """Return the samples at ``places``, a slice or a mask."""
+        columns = {
+            item.name: value[places]
+            for item in fields(self)
+            if isinstance(value := getattr(self, item.name), np.ndarray)
+        }
+        plain = {name: values[places] for name, values in self.plain.items()}
+        return replace(self, plain=plain, **columns)
+
+    def between(self, begin: float, end: float) -> "Record":
+        """Return the samples from ``begin`` to ``end`` [s]; ConfigError if fewer than two are."""
+        inside = (self.t >= begin) & (self.t <= end)
+        if np.count_nonzero(inside) < 2:
+            raise ConfigError(
+                f"{self.source}: fewer than two rows from {begin:g} s to {end:g} s; "
+                f"it has {self.t[0]:g} s to {self.t[-1]:g} s"
+            )
+        return self.part(inside)
+
+    def every(self, count: int) -> "Record":
+        """Return each ``count``-th sample, the rudder as its mean until the next one.
+
+        The mean keeps what a rudder did that moved between the samples taken. So with other inputs.
+        """
+        if count == 1:
+            return self
+        thin = self.part(slice(None, None, count))
+        starts = np.arange(0, len(self.t), count)
+        sizes = np.diff([*starts, len(self.t)])
+        acting = {name: self.plain[name] for name in self.driving}
+        held = {name: np.add.reduceat(one, starts) / sizes for name, one in acting.items()}
+        thin = replace(thin, plain={**thin.plain, **held})
+        if self.rudder is None:
+            return thin
+        return replace(thin, rudder=np.add.reduceat(self.rudder, starts) / sizes)
+
+
+def check_count(record: Record, samples: int, coefficients: int) -> None:
+    """Check that there are enough samples to a coefficient; ConfigError with both counts."""
+    if samples < SAMPLES * coefficients:
+        raise ConfigError(
+            f"{record.source}: {samples} samples for {coefficients} coefficients: needs "
+            f"{SAMPLES} to each, {SAMPLES * coefficients}: record longer, take more of the rows "
+            '(every, from_s, to_s), fit a simpler model, or fix some, free = "no"'
+        )
+
+
+Places = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Readings and inputs at each time; NaN is a missing reading.
+
+    ``inputs[k]`` acts from ``t[k]`` to ``t[k+1]``; before the first sample it acted as at it.
+    """
+
+    t: Numbers  # (n,) [s] rising
+    outputs: Numbers  # (n, y)
+    inputs: Numbers  # (n, u)
+
+    @cached_property
+    def steps(self) -> tuple[Numbers, Places]:
+        """Return the different intervals (m,) [s] and which of them follows each sample (n,).
+
+        After the last sample comes an interval like the one before it.
+        """
+        if len(self.t) < 2:
+            raise ConfigError("a record of fewer than two samples has no interval")
+        gaps = np.diff(self.t)
+        usual = float(np.median(gaps))
+        intervals, which = np.unique(np.round(gaps / usual, 9), return_inverse=True)
+        return intervals * usual, np.append(which, which[-1]).astype(np.int64)
+
+    @cached_property
+    def table(self) -> Numbers:
+        """Return readings, inputs of the sample before, inputs (n, y+2u)."""
+        before = np.vstack([self.inputs[:1], self.inputs[:-1]])
+        return np.ascontiguousarray(np.hstack([self.outputs, before, self.inputs]))
+
+    @property
+    def counted(self) -> int:
+        """Return how many samples have a reading."""
+        return int(np.count_nonzero(~np.all(np.isnan(self.outputs), axis=1)))
+
+    @property
+    def whole(self) -> bool:
+        """Return whether no reading is missing."""
+        return not np.isnan(self.outputs).any()
+
+    def without(self, excluded: NDArray[np.bool_]) -> "Samples":
+        """Return the samples with the readings of some (n,), or single readings (n, y), missing."""
+        outputs = self.outputs.copy()
+        outputs[excluded] = np.nan
+        return replace(self, outputs=outputs)
+
+
+def samples_of(
+    record: Record, outputs: tuple[str, ...], inputs: tuple[str, ...] = ("rudder",)
+) -> Samples:
+    """Return channels of a record and its rudder, or other inputs, in the models' units."""
+    count = len(record.t)
+    columns = [[_in_units(record, name) for name in names] for names in (outputs, inputs)]
+    parts = [np.column_stack(one) if one else np.empty((count, 0)) for one in columns]
+    return Samples(record.t, *parts)
+
+
+def _in_units(record: Record, channel: str) -> Numbers:
+    """Return a channel in the models' unit, another column as it stands."""
+    values = record.column(channel)
+    if channel in record.plain:
+        return values
+    return values / DEGREE if channel == "rudder" else values * UNITS[channel][1]

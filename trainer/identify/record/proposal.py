@@ -1,0 +1,150 @@
+"""A study proposed from a record, for its user to correct.
+
+Columns are told by their names and units.
+"""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from trainer.config.files import ConfigError, as_typed, write_once
+from trainer.config.tables import read_table
+from trainer.identify.record.columns import WORDS, GuessedColumns, guess_columns
+from trainer.identify.record.findings import examine, positive_turns
+from trainer.identify.record.measurements import Record
+from trainer.identify.record.sources import USUAL, Column, load_record, own_columns
+from trainer.identify.record.track import Drift, with_sway
+from trainer.io.paths import SUFFIX
+
+OUTPUTS: Final = "heading, yaw rate, sway or a track"
+MEASURED: Final = WORDS.keys() - {"t", "rudder", "speed"}  # what a ship answers a rudder by
+TEXT: Final = """\
+# A study of {record}. What was guessed is marked: correct it. Fill in [ship]; then:
+# trainer identify {path}
+schema = "identify/1"
+name = {name}
+data = {data}
+{sign}# from_s = {begin:g}  # first time used
+# to_s = {end:g}  # last time used
+# every = 2  # takes one sample of so many
+{interval}
+{columns}[ship]
+{length}
+{speed}
+
+[model]
+kind = "{kind}"  # {others}
+outputs = {outputs}
+"""
+SENSORS: Final = f"""\
+[sensors]  # a recording is exact: what instruments add
+sway_kn = {USUAL.sway_kn}
+yaw_rate_deg_s = {USUAL.yaw_rate_deg_s}
+heading_deg = {USUAL.heading_deg}
+
+"""
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """The text of a study, and what there is to say of its record."""
+
+    text: str
+    rows: int
+    interval: float  # [s]
+    columns: Mapping[str, Column]
+    remarks: tuple[str, ...]
+
+
+def write_proposal(data: Path, path: Path, length: float | None, speed: float | None) -> Proposal:
+    """Write the study proposed for a record to a new file.
+
+    ConfigError if the file is there, or nothing looks like the rudder.
+    """
+    own = data.suffix == SUFFIX
+    found = GuessedColumns(own_columns(), frozenset()) if own else _guessed(data)
+    columns = found.columns
+    record, sign = turned(load_record(data, columns))
+    record, remarks = _examined(record)
+    text = TEXT.format(
+        record=data.name,
+        path=as_typed(path),
+        name=quoted(data.stem[:79]),
+        data=quoted(os.path.relpath(data, path.parent)),
+        sign=sign,
+        begin=record.t[0],
+        end=record.t[-1],
+        interval="" if "t" in columns else "interval_s = 1  # guessed: there is no time\n",
+        columns=SENSORS if own else columns_text(found),
+        length=f"length_m = {length:g}" if length else "# length_m = 100  # fill in",
+        speed=_speed(record, speed),
+        **_model(record),
+    )
+    write_once(path, text)
+    return Proposal(text, len(record.t), record.interval, columns, remarks)
+
+
+def _guessed(data: Path) -> GuessedColumns:
+    """Return the columns of a file; ConfigError if none is the rudder, or a ship's answer to it."""
+    table = read_table(data)
+    found = guess_columns(table, WORDS)
+    for what, wanted in (("the rudder", {"rudder"}), (OUTPUTS, MEASURED)):
+        if wanted.isdisjoint(found.columns):
+            name = "it rudder" if "rudder" in wanted else "one so"
+            raise ConfigError(
+                f"{data}: no column looks like {what}; it has {', '.join(table.names)}: name {name}"
+            )
+    return found
+
+
+def turned(record: Record) -> tuple[Record, str]:
+    """Return the record with its rudder positive to port, and the line saying so."""
+    turning = positive_turns(record)
+    if turning is None or turning < 0.0:
+        return record, ""
+    line = f'positive_rudder = "starboard"  # guessed: {turning:.0f} standard errors say so\n'
+    return replace(record, rudder=-record.column("rudder")), line
+
+
+def _examined(record: Record) -> tuple[Record, tuple[str, ...]]:
+    """Return the record with the sway of its track, and what there is to say of it."""
+    try:
+        record = with_sway(record, Drift(0.0, 0.0, 0.0))
+        return record, tuple(map(str, examine(record)))
+    except ConfigError as wrong:
+        return record, tuple(str(wrong).splitlines())
+
+
+def quoted(text: str) -> str:
+    """Return a text as TOML writes it."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def columns_text(found: GuessedColumns) -> str:
+    """Return the tables of the columns; a unit that was guessed is marked."""
+    return "".join(
+        f'[[columns]]\nchannel = "{channel}"\ncolumn = {quoted(one.name)}\n'
+        f'unit = "{one.unit}"{"  # guessed" if channel in found.unsure else ""}\n\n'
+        for channel, one in found.columns.items()
+    )
+
+
+def _speed(record: Record, speed: float | None) -> str:
+    """Return the line of the ship's speed."""
+    if speed:
+        return f"speed_kn = {speed:g}"
+    if record.speed is not None:
+        return "# speed_kn = 12  # else the record's mean"
+    return "# speed_kn = 12  # fill in"
+
+
+def _model(record: Record) -> dict[str, str]:
+    """Return the model to begin with, and which others there are."""
+    turning = [name for name in ("yaw_rate", "heading") if getattr(record, name) is not None]
+    kind, others = "nomoto1", "nomoto2 has three time constants; 1 fits sway too, with a vessel"
+    if not turning:
+        kind, others = "2", "sway alone"
+    return {"kind": kind, "others": others, "outputs": json.dumps(turning or ["sway"])}

@@ -1,0 +1,227 @@
+"""Records from files, and instruments between a recording's exact state and a record."""
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.analysis.recording_export import table_layout
+from trainer.config.files import ConfigError, collecting, nearest, quote
+from trainer.config.sensors import Sensors
+from trainer.config.tables import Table, read_table, rebuild_times
+from trainer.core.kernel import Numbers
+from trainer.identify.record.measurements import CHANNELS, PLACES, Finding, Record
+from trainer.io.atomic_write import replacing
+from trainer.io.paths import SUFFIX
+from trainer.session.header import reading
+from trainer.units import DEGREE, KNOT
+
+UNITS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
+    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+    "rad": {"rad": 1.0, "deg": DEGREE},
+    "rad/s": {"rad/s": 1.0, "deg/s": DEGREE, "deg/min": DEGREE / 60.0},
+    "m/s": {"m/s": 1.0, "kn": KNOT},
+    "place": {"deg": DEGREE, "ddmm": DEGREE, "rad": 1.0},
+}
+OWN: Final = {  # columns of the trainer, SI and radians
+    "rudder": "delta_r",
+    "heading": "psi",
+    "yaw_rate": "r",
+    "sway": "v",
+    "speed": "u",
+}
+FURTHER_COLUMNS: Final = {  # likewise, of what a record has not: ships that are not linear
+    "revolutions": "n",
+    "wind_ahead": "wind_ahead",
+    "wind_starboard": "wind_starboard",
+    "roll": "phi",
+    "roll_rate": "p",
+}
+FURTHER_CHANNELS: Final[Mapping[str, Mapping[str, float]]] = {  # channels and their units
+    "revolutions": {"1/s": 1.0, "rps": 1.0, "rpm": 1.0 / 60.0},
+    **dict.fromkeys(("north_velocity", "east_velocity"), UNITS["m/s"]),
+    **dict.fromkeys(("wind_speed", "wind_ahead", "wind_starboard"), UNITS["m/s"]),
+    "wind_from": UNITS["rad"],
+    "roll": UNITS["rad"],
+    "roll_rate": UNITS["rad/s"],
+}
+PLAIN: Final = "-"  # unit of a column that is taken as it stands
+
+
+@dataclass(frozen=True)
+class Column:
+    """The source of a channel: its column and unit; None: what the file says."""
+
+    name: str
+    unit: str | None
+
+
+def own_columns() -> dict[str, Column]:
+    """Return the columns of the trainer's own files, times among them."""
+    own = {key: Column(name, CHANNELS[key]) for key, name in OWN.items()}
+    return {"t": Column("t", "s"), **own}
+
+
+def units_of(channel: str) -> Mapping[str, float]:
+    """Return the units that a channel can have, and what each is in SI."""
+    if channel in FURTHER_CHANNELS:
+        return FURTHER_CHANNELS[channel]
+    return UNITS["place" if channel in PLACES else "s" if channel == "t" else CHANNELS[channel]]
+
+
+def factor(channel: str, unit: str | None) -> float:
+    """Return what numbers in ``unit`` are times in SI, without one 1.
+
+    ConfigError if the channel has no such unit.
+    """
+    if unit is None:
+        return 1.0
+    known = units_of(channel)
+    if unit not in known:
+        raise ConfigError(f"{channel}: unit {quote(unit)}: must be {' or '.join(known)}")
+    return known[unit]
+
+
+def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
+    """Return the record in a CSV file or a recording. ConfigError naming what is wrong with it.
+
+    ``columns`` says where each channel is, and under "t" the times; without "t" rows are counted.
+    """
+    read = _read_recording if path.suffix == SUFFIX else _read_csv
+    rows, taken, told = read(path, columns)
+    if len(rows) < 2:
+        raise ConfigError(f"{path}: has {len(rows)} rows of numbers; needs 2 or more")
+    times = taken.pop("t", np.arange(len(rows), dtype=float))
+    plain = {name: taken.pop(name) for name, one in columns.items() if one.unit == PLAIN}
+    record = Record(
+        source=str(path),
+        t=times,
+        rows=np.array(rows),
+        names={channel: column.name for channel, column in columns.items()},
+        told=tuple(Finding(path.name, 0, text) for text in told),
+        plain=plain,
+        **taken,
+    )
+    check_times(record)
+    return record
+
+
+class NoColumnError(ConfigError):
+    """A file has not the columns that are to be read."""
+
+
+Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
+
+
+def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
+    """Return the wanted columns of a CSV file, NaN where a cell is empty."""
+    table = read_table(path)
+    lacking = [(name, one) for name, one in columns.items() if not table.has(one.name)]
+    problems = list[str]()
+    for channel, column in lacking:
+        with collecting(problems):
+            table.place(column.name, channel)
+    if problems:
+        raise NoColumnError(*problems)
+    told, other = list(table.told), list[str]()
+    taken = {channel: _take(table, channel, one, other) for channel, one in columns.items()}
+    if "t" in columns:
+        name = columns["t"].name
+        if table.is_clock(table.place(name)):
+            told.append("times by ISO 8601")
+        taken["t"], rebuilt = rebuild_times(taken["t"], table.repeats)
+        other += [f"{name}: {rebuilt}"] if rebuilt else []
+    return table.lines, taken, ([f"read with {', '.join(told)}"] if told else []) + other
+
+
+def _take(table: Table, channel: str, column: Column, told: list[str]) -> Numbers:
+    """Return a channel in SI; ConfigError if it has no unit, or a cell is no number."""
+    place = table.place(column.name)
+    if column.unit == PLAIN:
+        return table.numbers(place)
+    if channel == "t" and table.is_clock(place):
+        return table.seconds(place)
+    said, known = table.units[place], units_of(channel)
+    unit = column.unit or said
+    if unit not in known:
+        where = f"the file says {quote(said)}" if said else "the file does not say its unit"
+        raise ConfigError(
+            f"{table.path}: {column.name} for {channel}: {where}: "
+            f"say in the study unit = {' or '.join(map(quote, known))}"
+        )
+    if said and said != unit:
+        told.append(f"{column.name} is in {said}, the study says {unit}: taken as {unit}")
+    numbers = table.angles(place, unit) if channel in PLACES else table.numbers(place)
+    return numbers * known[unit]
+
+
+def _read_recording(path: Path, columns: Mapping[str, Column]) -> Taken:
+    """Return the wanted columns of the latest branch of a recording; a row is a tick."""
+    with reading(path) as recording:
+        layout = table_layout(recording)
+        names = ("t", *layout.columns)
+        ticks, cells = [], []
+        for tick in recording.flown(recording.branch):
+            ticks.append(tick.tick)
+            cells.append([tick.tick * layout.step, *layout.numbers(tick.state)])
+    taken = {}
+    for channel, column in columns.items():
+        if column.name not in names:
+            raise ConfigError(
+                f"{path}: no column {quote(column.name)} for {channel}"
+                f"{nearest(column.name, names)}; it has {', '.join(names)}"
+            )
+        place = names.index(column.name)
+        scale = 1.0 if column.unit == PLAIN else factor(channel, column.unit or "")
+        taken[channel] = scale * np.array([row[place] for row in cells])
+    return ticks, taken, []
+
+
+def check_times(record: Record) -> None:
+    """Check that time is known and rises; ConfigError naming the first bad row."""
+    missing = np.isnan(record.t)
+    if missing.any():
+        row = record.row(int(np.argmax(missing)))
+        raise ConfigError(f"{record.source}: row {row}: {record.name('t')} has no value")
+    rises = np.diff(record.t) > 0.0
+    if rises.all():
+        return
+    place = int(np.argmin(rises)) + 1
+    now, before = record.t[place], record.t[place - 1]
+    how = "is repeated" if now == before else f"is before {before:g} s of the row before"
+    raise ConfigError(
+        f"{record.source}: row {record.row(place)}: {record.name('t')} = {now:g} s {how}; "
+        "times must rise"
+    )
+
+
+def write_columns(path: Path, columns: Mapping[str, Numbers], form: str = "") -> None:
+    """Write columns as CSV, a missing value empty. ConfigError if it cannot be."""
+    try:
+        with replacing(path) as made, made.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(columns)
+            for row in zip(*columns.values(), strict=True):
+                writer.writerow(["" if math.isnan(x) else format(float(x), form) for x in row])
+    except OSError as error:
+        raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from error
+
+
+STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
+USUAL: Final = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.1)
+
+
+def read_by(record: Record, sensors: Sensors) -> Record:
+    """Return what instruments would have read; each channel has a stream of its own."""
+    columns = {}
+    for place, channel in enumerate(STREAMS):
+        values = getattr(record, channel)
+        if values is not None:
+            seed = np.random.SeedSequence((int(sensors.seed or 1), place))
+            stream = np.random.Generator(np.random.PCG64(seed))
+            columns[channel] = values + sensors.error(channel) * stream.standard_normal(len(values))
+    return replace(record, **columns)

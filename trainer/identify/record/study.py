@@ -1,0 +1,318 @@
+"""An identification study from its file: record, ship, model and parameters, checked at load."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
+from trainer.config.schema import described, file_schema, read_record, record_schema
+from trainer.config.sensors import Sensors
+from trainer.identify.model.own_systems import System
+from trainer.identify.record.findings import examine, examine_columns, unwrap_heading
+from trainer.identify.record.measurements import Finding, Record
+from trainer.identify.record.sources import (
+    USUAL,
+    Column,
+    NoColumnError,
+    factor,
+    load_record,
+    own_columns,
+    read_by,
+)
+from trainer.identify.record.study_records import (
+    COLUMNS,
+    PARAMETERS,
+    RUNS,
+    ArmaxTable,
+    ColumnRow,
+    Heading,
+    ModelTable,
+    ParameterRow,
+    RunRow,
+    Ship,
+    Track,
+)
+from trainer.identify.record.track import drift_of, with_sway
+from trainer.io.paths import SUFFIX
+from trainer.units import KNOT
+
+OPTIONAL: Final = {
+    "ship": Ship,
+    "sensors": Sensors,
+    "track": Track,
+    "model": ModelTable,
+    "armax": ArmaxTable,
+}
+TABLES: Final = ("columns", "runs", "parameters", *OPTIONAL)
+KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Everything a study says; tables that it lacks are None."""
+
+    path: Path
+    heading: Heading
+    columns: Mapping[str, Column]
+    ship: Ship | None
+    sensors: Sensors | None
+    track: Track | None
+    model: ModelTable | None
+    parameters: tuple[ParameterRow, ...]
+    armax: ArmaxTable | None
+    runs: tuple[RunRow, ...] = ()
+    system: System | None = None  # of the user's own
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Return what is recorded, and the sway of a track."""
+        return (*self.columns, "sway") if "latitude" in self.columns else tuple(self.columns)
+
+    @property
+    def data(self) -> Path:
+        """Return the path of the record."""
+        return self.path.parent / self.heading.data
+
+
+def load_study(path: Path) -> Study:
+    """Return the study in a TOML file; ConfigError with all that is wrong."""
+    return parse_study(read_text(path), path)
+
+
+def plain_study(data: Path) -> Study:
+    """Return the study of a record of the trainer's own, whose columns are known.
+
+    A recording is exact, and is read by usual sensors.
+    """
+    heading = Heading(schema="identify/1", name=data.stem, data=data.name)
+    return Study(
+        path=data,
+        heading=heading,
+        columns=own_columns(),
+        ship=None,
+        sensors=USUAL if data.suffix == SUFFIX else None,
+        track=None,
+        model=None,
+        parameters=(),
+        armax=None,
+    )
+
+
+def parse_study(text: str, path: Path) -> Study:
+    """Return the study in ``text``, which came from ``path``; ConfigError with all faults."""
+    place = Place(path.name, "")
+    table = parse_toml(text, path.name)
+    parts, problems = read_parts(table, place, (Heading, KNOWN), OPTIONAL)
+    own_kind = as_kind(table.get("model")) == "own"
+    with collecting(problems):
+        rows = COLUMNS.read("columns", table.get("columns", []), place)
+        parts["columns"] = _columns(rows, place, steered=not own_kind)
+    with collecting(problems):
+        parts["runs"] = RUNS.read("runs", table.get("runs", []), place)
+    with collecting(problems):
+        parts["parameters"] = PARAMETERS.read("parameters", table.get("parameters", []), place)
+        _check_once([row.name for row in parts["parameters"]], place, "parameters")
+    with collecting(problems):
+        _check_whole(parts, place)
+    if problems:
+        raise ConfigError(*problems)
+    study = Study(path=path, **parts)
+    if not study.columns and not own_kind:
+        return replace(study, columns=_own(study, place))
+    return study
+
+
+def as_kind(model: object) -> object:
+    """Return the kind that a table of a model says, None if it says none."""
+    return model.get("kind") if isinstance(model, Mapping) else None
+
+
+def read_parts(
+    table: Mapping[str, Any],
+    place: Place,
+    heading: tuple[type[Any], Sequence[str]],
+    records: Mapping[str, type[Any]],
+) -> tuple[dict[str, Any], list[str]]:
+    """Return heading and tables of a file, None for those lacking, and all faults.
+
+    ``heading`` is the record of the keys above all tables, and all keys that there may be.
+    """
+    record, known = heading
+    problems = [
+        place.wrong(key, value, f"no such key{nearest(key, known)}")
+        for key, value in table.items()
+        if key not in known
+    ]
+    parts: dict[str, Any] = dict.fromkeys(records)
+    above = {item.name for item in fields(record)} | {"note"}
+    with collecting(problems):
+        own = {key: value for key, value in table.items() if key in above}
+        parts["heading"] = read_record(record, own, place, ("note",))
+    for name, kind in records.items():
+        with collecting(problems):
+            if name in table:
+                parts[name] = read_record(kind, table[name], place.inside(name), ("note",))
+    return parts, problems
+
+
+def _columns(rows: tuple[ColumnRow, ...], place: Place, *, steered: bool) -> dict[str, Column]:
+    """Return the columns by channel; ConfigError if one is given twice or in a wrong unit."""
+    _check_once([row.channel for row in rows], place, "columns")
+    problems: list[str] = []
+    found = {}
+    for i, row in enumerate(rows):
+        try:
+            factor(row.channel, row.unit)
+            found[row.channel] = Column(row.column, row.unit)
+        except ConfigError as wrong:
+            problems.append(place.inside(f"columns[{i}]").problem(str(wrong)))
+    if found and steered and "rudder" not in found and not problems:
+        problems.append(place.inside("columns").problem("no column is the rudder"))
+    if problems:
+        raise ConfigError(*problems)
+    return found
+
+
+def _check_once(names: list[str], place: Place, table: str) -> None:
+    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+    if twice:
+        raise ConfigError(place.inside(table).problem(f"{twice[0]} is given twice"))
+
+
+def _check_whole(parts: Mapping[str, Any], place: Place) -> None:
+    """Check what is said in counts, and what goes together; ConfigError with all faults."""
+    problems: list[str] = []
+    heading = parts.get("heading")
+    begin, end = (heading.from_s, heading.to_s) if heading else (None, None)
+    if begin is not None and end is not None and end <= begin:
+        problems.append(place.wrong("to_s", end, f"must be after from_s = {begin:g}"))
+    counts = {"": ("heading", ("every",)), "armax": ("armax", ("most", "dead_time", "lags"))}
+    counts["model"] = ("model", ("restarts", "predict_from", "predict_to"))
+    for table, (part, keys) in counts.items():
+        for key in keys:
+            value = getattr(parts.get(part), key, None)
+            if value is not None and value != int(value):
+                inside = place.inside(table) if table else place
+                problems.append(inside.wrong(key, value, "must be a whole number"))
+    model = parts.get("model")
+    if model is not None:
+        problems += _model_problems(model, parts.get("ship"), place)
+    if problems:
+        raise ConfigError(*problems)
+
+
+def _model_problems(model: ModelTable, ship: Ship | None, place: Place) -> Iterator[str]:
+    """Yield what a model lacks, or does not go with."""
+    inside = place.inside("model")
+    if model.kind == "own":
+        if model.outputs:
+            yield inside.problem("of kind own has outputs of its own")
+        if model.file is None:
+            yield inside.problem("of kind own lacks file, its system")
+        return
+    if not model.outputs:
+        yield inside.problem("lacks outputs")
+    if model.file is not None:
+        yield inside.wrong("file", model.file, "goes with kind own")
+    if ship is None:
+        yield place.problem("[model] needs a [ship] with its length_m")
+        return
+    for channel, key in (("bow_sway", "bow_log_m"), ("stern_sway", "stern_log_m")):
+        if channel in model.outputs and getattr(ship, key) is None:
+            yield place.inside("ship").problem(f"output {channel} needs {key}")
+
+
+def _own(study: Study, place: Place) -> dict[str, Column]:
+    """Return the columns of a recording of the trainer; ConfigError if the data are none."""
+    if study.data.suffix != SUFFIX:
+        raise ConfigError(
+            place.problem("lacks [[columns]]: only a recording of the trainer needs none")
+        )
+    return own_columns()
+
+
+@dataclass(frozen=True)
+class Observed:
+    """A record made ready for a study, and what there is to say about it."""
+
+    record: Record
+    findings: tuple[Finding, ...]
+
+
+def observe(study: Study, loaded: Record | None = None) -> Observed:
+    """Return the record of a study: signs and units as here, thinned, cut, examined.
+
+    The record is ``loaded``, or that of the study's file. ConfigError with what forbids its use.
+    """
+    heading = study.heading
+    record = loaded or _load(study)
+    if "t" not in study.columns:
+        record = replace(record, t=record.t * (heading.interval_s or 1.0))
+    if heading.positive_rudder == "starboard" and record.rudder is not None:
+        record = replace(record, rudder=-record.rudder)
+    if study.system is not None:
+        record = replace(record, driving=study.system.inputs)
+        findings = examine_columns(record)
+    else:
+        track = study.track or Track()
+        current = track.current_east_kn, track.current_north_kn
+        record = with_sway(record, drift_of(current, track.antenna_m))
+        findings = examine(record, study.ship)
+    record = unwrap_heading(record).every(int(heading.every or 1))
+    if study.sensors is not None:
+        record = read_by(record, study.sensors)
+    record = record.between(
+        -np.inf if heading.from_s is None else heading.from_s,
+        np.inf if heading.to_s is None else heading.to_s,
+    )
+    return Observed(record, tuple(findings))
+
+
+def _load(study: Study) -> Record:
+    """Return the record of a study's file; ConfigError, of a plain one saying what to type."""
+    try:
+        return load_record(study.data, study.columns)
+    except NoColumnError as error:
+        if study.path != study.data:
+            raise
+        advice = f"trainer identify new {study.data} -o study.toml writes a study of its columns"
+        raise ConfigError(*error.problems, advice) from None
+
+
+def studies_of(study: Study) -> tuple[Study, ...]:
+    """Return the study of each run alone, the first record's first."""
+    return (study, *(_study_of(study, number, row) for number, row in enumerate(study.runs, 1)))
+
+
+def _study_of(study: Study, number: int, row: RunRow) -> Study:
+    """Return the study of a further run; its instruments err on their own."""
+    ship, sensors = study.ship, study.sensors
+    if ship is not None and row.speed_kn is not None:
+        ship = replace(ship, speed_kn=row.speed_kn)
+    if sensors is not None:
+        sensors = replace(sensors, seed=(sensors.seed or 1) + number)
+    heading = replace(study.heading, data=row.data, from_s=row.from_s, to_s=row.to_s)
+    return replace(study, heading=heading, ship=ship, sensors=sensors, runs=())
+
+
+def speed_of(study: Study, record: Record) -> float:
+    """Return the ship's speed [m/s]; ConfigError if neither study nor record says it."""
+    if study.ship is not None and study.ship.speed_kn is not None:
+        return study.ship.speed_kn * KNOT
+    if record.speed is None:
+        place = Place(study.path.name, "ship")
+        raise ConfigError(place.problem("lacks speed_kn, and no speed was recorded"))
+    return float(np.nanmean(record.speed))
+
+
+def identification_schema() -> dict[str, Any]:
+    """Return the JSON Schema of an identification study."""
+    heading = record_schema(Heading, ("note",))
+    tables = {name: record_schema(record, ("note",)) for name, record in OPTIONAL.items()}
+    arrays = {"columns": COLUMNS, "runs": RUNS, "parameters": PARAMETERS}
+    rows = {name: described(each) for name, each in arrays.items()}
+    keys = {**heading["properties"], **tables, **rows}
+    return file_schema("identification", keys, heading["required"])

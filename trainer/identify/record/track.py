@@ -1,0 +1,132 @@
+"""Sway velocity from a track over the ground and the heading, section 11.
+
+A track in a plane grid, or of latitudes and longitudes on the ellipsoid of WGS 84. There the
+velocity north is M dphi/dt, east N cos(phi) dlambda/dt, with the radii of curvature M in the
+meridian and N across it: J. P. Snyder, Map Projections - A Working Manual, U.S. Geological Survey
+Professional Paper 1395 (1987), pages 24-25; the ellipsoid's numbers are of NIMA TR8350.2.
+"""
+
+from dataclasses import replace
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.config.tables import EVEN
+from trainer.core.kernel import Numbers
+from trainer.identify.record.measurements import Finding, Record
+from trainer.units import KNOT
+
+EQUATOR: Final = 6_378_137.0  # [m] of WGS 84
+FLATTENING: Final = 1.0 / 298.257223563  # [-] likewise
+SPENCER: Final = np.array([-3, -6, -5, 3, 21, 46, 67, 74, 67, 46, 21, 3, -5, -6, -3]) / 320.0
+
+
+def derivative(series: Numbers, interval: float) -> Numbers:
+    """Return the rate of change by five points. Two samples at each end are NaN.
+
+    f' = [f(-2h) - 8 f(-h) + 8 f(h) - f(2h)]/(12 h).
+    """
+    rate = np.full_like(series, np.nan)
+    rate[2:-2] = (series[:-4] - 8.0 * series[1:-3] + 8.0 * series[3:-1] - series[4:]) / (
+        12.0 * interval
+    )
+    return rate
+
+
+def smooth_spencer(series: Numbers) -> Numbers:
+    """Return the series by Spencer's 15 points, exact for cubics. Seven at each end are NaN."""
+    found = np.full_like(series, np.nan)
+    if len(series) >= len(SPENCER):
+        found[7:-7] = np.convolve(series, SPENCER, mode="valid")
+    return found
+
+
+def along(
+    east: Numbers | float, north: Numbers | float, course: Numbers | float
+) -> tuple[Numbers, Numbers]:
+    """Return what of (east, north) lies along a course [rad], and to starboard of it."""
+    s, c = np.sin(course), np.cos(course)
+    return np.asarray(north * c + east * s), np.asarray(east * c - north * s)
+
+
+def even_interval(t: Numbers, source: str) -> float:
+    """Return the interval [s] of even samples; ConfigError naming the row where they are not."""
+    steps = np.diff(t)
+    usual = float(np.median(steps))
+    uneven = np.abs(steps - usual) > EVEN * usual
+    if uneven.any():
+        row = int(np.argmax(uneven)) + 1
+        raise ConfigError(
+            f"{source}: sample {row + 1}: {steps[row - 1]:g} s after the one before, the interval "
+            f"is {usual:g} s: a derivative needs an even interval"
+        )
+    return usual
+
+
+class Drift(NamedTuple):
+    """The current [m/s] and the antenna's lever [m] between a track and the ship."""
+
+    east: float
+    north: float
+    antenna: float  # forward of the point wanted
+
+
+def drift_of(current_kn: tuple[float | None, float | None], antenna: float | None) -> Drift:
+    """Return current east and north [kn] and antenna [m], nothing where they are not said."""
+    east, north = (KNOT * (one or 0.0) for one in current_kn)
+    return Drift(east, north, antenna or 0.0)
+
+
+def through_water(
+    east: Numbers, north: Numbers, heading: Numbers, rate: Numbers, drift: Drift
+) -> tuple[Numbers, Numbers]:
+    """Return velocity ahead and to starboard [m/s] from that of the antenna over the ground."""
+    ahead, aside = along(east - drift.east, north - drift.north, heading)
+    return ahead, aside - rate * drift.antenna
+
+
+def ground_velocity(
+    latitude: Numbers, longitude: Numbers, interval: float
+) -> tuple[Numbers, Numbers]:
+    """Return the velocity east and north [m/s] of a track of latitude and longitude [rad]."""
+    squared = FLATTENING * (2.0 - FLATTENING)  # of the eccentricity
+    inside = 1.0 - squared * np.sin(latitude) ** 2
+    meridian, across = EQUATOR * (1.0 - squared) / inside**1.5, EQUATOR / np.sqrt(inside)
+    east = across * np.cos(latitude) * derivative(unwrapped(longitude), interval)
+    return east, meridian * derivative(latitude, interval)
+
+
+def unwrapped(angle: Numbers) -> Numbers:
+    """Return an angle [rad] that does not jump by whole turns; NaN stays."""
+    found, known = angle.copy(), ~np.isnan(angle)
+    found[known] = np.unwrap(found[known])
+    return found
+
+
+def with_sway(record: Record, drift: Drift) -> Record:
+    """Return a record with the sway of its track, and a yaw rate.
+
+    A record without a track comes back as it is, and a yaw rate that was recorded stays.
+    ConfigError if it has no heading, or its times are uneven, or a sway too.
+    """
+    if record.latitude is None or record.longitude is None:
+        return record
+    if record.sway is not None:
+        raise ConfigError(f"{record.source}: has both {record.name('sway')} and a track: take one")
+    interval, heading = even_interval(record.t, record.source), unwrapped(record.column("heading"))
+    east, north = ground_velocity(record.latitude, record.longitude, interval)
+    own = record.yaw_rate
+    rate = derivative(heading, interval) if own is None else own
+    _, sway = through_water(east, north, heading, rate, drift)
+    track = f"{record.name('latitude')} and {record.name('longitude')}"
+    told = Finding(
+        track,
+        0,
+        "sway is that of this track"
+        + (", over the ground" if not (drift.east or drift.north) else ""),
+    )
+    names = {**record.names, "sway": f"sway of {track}"}
+    if own is None:
+        names["yaw_rate"] = f"yaw rate of {record.name('heading')}"
+    return replace(record, sway=sway, yaw_rate=rate, names=names, told=(*record.told, told))

@@ -1,0 +1,62 @@
+"""A page of HTML: text as the terminal has it, figures, and the data."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
+from typing import Any, Final
+
+from markupsafe import Markup
+
+from trainer.analysis.report import html
+from trainer.analysis.report.panels import draw, legend
+from trainer.analysis.report.plots import Panel, Screen
+
+MAX_PANELS: Final = 4  # of a screen
+Part = tuple[str, Markup]  # a screen of the page: its title, and what is on it
+
+
+def screens_of(groups: Mapping[str, Iterable[Panel]]) -> tuple[Screen, ...]:
+    """Return groups of panels as screens, those of many panels as several."""
+    found = []
+    for title, group in groups.items():
+        panels = tuple(group)
+        pieces = [panels[i : i + MAX_PANELS] for i in range(0, len(panels), MAX_PANELS)]
+        names = [title] if len(pieces) == 1 else [f"{title} {i}" for i in range(1, len(pieces) + 1)]
+        found += [Screen(name, piece) for name, piece in zip(names, pieces, strict=True)]
+    return tuple(found)
+
+
+def sheet(
+    title: str, text: str, screens: Iterable[Screen], report: Any, further: Iterable[Part] = ()
+) -> str:
+    """Return the page: ``text``, ``screens`` drawn, ``further`` parts, and ``report`` as data.
+
+    It needs no other file. The same report gives the same bytes.
+    """
+    heading, _, rest = text.partition("\n")
+    return html.page(
+        "identified.html",
+        "guide.css",
+        title=title,
+        heading=heading,
+        screens=[("Numbers", listing(rest)), *map(_drawn, screens), *further],
+        data=html.embed(asdict(report)),
+    )
+
+
+def _drawn(screen: Screen) -> Part:
+    """Return a screen with its figures in rows of two."""
+    figures = html.charts(map(_figure, screen.panels))
+    rows = Markup('<div class="rows{}">{}</div>')
+    return screen.title, rows.format((len(screen.panels) + 1) // 2, figures)
+
+
+def listing(text: str) -> Markup:
+    """Return text as the terminal has it, in columns; no table is parted."""
+    blocks = Markup("\n").join(map(Markup("<pre>{}</pre>").format, text.split("\n\n")))
+    return Markup('<div class="listing">\n{}\n</div>\n').format(blocks)
+
+
+def _figure(panel: Panel) -> Markup:
+    """Return a panel with its title and what its curves mean."""
+    caption = Markup("<figcaption>{}</figcaption>").format(panel.title)
+    return Markup("<figure>{}{}{}</figure>").format(caption, draw(panel), legend(panel.curves))
