@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -22,7 +23,8 @@ from trainer.boat import compilation
 from trainer.config.files import shipped_names
 from trainer.core.cache import cache_folder
 from trainer.io.recording.recording import Recording
-from trainer.session import first_start
+from trainer.session import first_start, run, warm_up
+from trainer.session.exercise import Work
 from trainer.session.options import RunOptions
 
 HERE = Path(trainer.__file__).parents[1]
@@ -41,6 +43,13 @@ def compiled_by_another(cache: Path) -> Iterator[None]:
     """Hold the lock of the process that fills the cache."""
     folder = cache / cache_folder().name
     folder.mkdir(parents=True)
+    with compiled_by_another_in(folder):
+        yield
+
+
+@contextlib.contextmanager
+def compiled_by_another_in(folder: Path) -> Iterator[None]:
+    """Hold the lock of the process that fills a version's folder of the cache."""
     with (folder / compilation.LOCK).open("wb") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
@@ -66,16 +75,21 @@ def test_a_first_run_in_real_time_is_interpreted_and_says_so_to_whoever_comes(
     tmp_path: Path,
 ) -> None:
     with compiled_by_another(tmp_path):
-        done = trained("run", "--headless", "--duration", "1", "--speed", "5", cache=tmp_path)
+        done = trained(
+            "run", "--headless", "--verbose", "--duration", "1", "--speed", "5", cache=tmp_path
+        )
 
-    assert done.stderr.startswith("first start: the core is still being compiled beside")
+    assert done.stderr == (
+        "First start: still preparing in the background (0 %). You can sail now; "
+        "only fast time has to wait.\n"
+    )
     assert "adams2 at 0.5 s, interpreted" in done.stdout
     assert "overruns 0" in done.stdout
     assert not list(tmp_path.rglob("*.nbi"))
 
 
 def test_the_interpreted_run_writes_the_bytes_of_the_compiled_one(tmp_path: Path) -> None:
-    exercise = ("run", "periscope-depth", "--headless", "--duration", "20", "--speed")
+    exercise = ("run", "periscope-depth", "--headless", "--verbose", "--duration", "20", "--speed")
     with compiled_by_another(tmp_path / "cache"):
         slow = trained(
             *(*exercise, "20", "--csv", str(tmp_path / "slow.csv")), cache=tmp_path / "cache"
@@ -95,9 +109,9 @@ def all_but_the_mark(cache: Path) -> Iterator[Callable[[], None]]:
     """
     if not compilation.is_kept():
         trained("run", "--headless", "--duration", "1", "--speed", "max")
-    marks = [path.name for path in cache_folder().glob("complete-*")]
+    marks = [compilation.mark("tick").name, compilation.mark("complete").name]
     folder = cache / cache_folder().name
-    unmarked = shutil.ignore_patterns(compilation.LOCK, "complete-*")
+    unmarked = shutil.ignore_patterns(compilation.LOCK, "complete-*", "tick-*")
     shutil.copytree(cache_folder(), folder, copy_function=os.symlink, ignore=unmarked)
     with (folder / compilation.LOCK).open("wb") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -121,7 +135,7 @@ def once_at_sea(record: Path, do: Callable[[], object]) -> None:
 def test_a_first_run_goes_over_to_machine_code_between_two_ticks_with_the_same_bits(
     tmp_path: Path,
 ) -> None:
-    exercise = ("run", "periscope-depth", "--headless", "--duration", "80", "--speed")
+    exercise = ("run", "periscope-depth", "--headless", "--verbose", "--duration", "80", "--speed")
     record = tmp_path / "slow.trainer"
     with all_but_the_mark(tmp_path / "cache") as complete:
         watch = threading.Thread(target=once_at_sea, args=(record, complete))
@@ -167,7 +181,7 @@ def test_the_note_is_among_what_whoever_comes_is_told(tmp_path: Path) -> None:
     with compiled_by_another(tmp_path):
         done = trained("run", "--teletype", "--duration", "0.5", cache=tmp_path)
 
-    assert "until then runs are interpreted" in done.stdout
+    assert "only fast time has to wait" in " ".join(done.stdout.split())
 
 
 @pytest.mark.parametrize("exercise", [None, *shipped_names("exercises")])
@@ -203,6 +217,14 @@ def test_what_an_exercise_says_counts_unless_the_user_says_otherwise(tmp_path: P
 
 
 @pytest.fixture
+def empty_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """Return an empty cache folder of this process, which looks at it without waiting."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(compilation, "LOOK", 0.01)
+    return tmp_path
+
+
+@pytest.fixture
 def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
     """Return what `prepare` does in a process that has not imported a kernel, an empty cache."""
     done: list[str] = []
@@ -210,18 +232,32 @@ def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
     monkeypatch.setattr(compilation, "is_settled", lambda: False)
     monkeypatch.setattr(compilation, "is_interpreted", lambda: False)
     monkeypatch.setattr(compilation, "do_without", lambda: done.append("interpreted"))
-    monkeypatch.setattr(first_start, "compile_beside", lambda: done.append("compiled beside"))
+    monkeypatch.setattr(subprocess, "Popen", process_of(done))
     return done
+
+
+def process_of(done: list[str]) -> Callable[..., Any]:
+    """Return what stands for starting a process, which holds no lock and ends at once."""
+
+    class Process:
+        def __init__(self, *_words: Any, **_how: Any) -> None:
+            done.append("process")
+
+        def wait(self) -> int:
+            return 0
+
+    return Process
 
 
 def test_one_process_compiles_however_many_are_started(started: list[str]) -> None:
     first = first_start.prepare(OPTIONS)
     with compilation.compiling():
+        compilation.write_progress(40)
         second = first_start.prepare(OPTIONS)
 
-    assert "is being compiled" in first
-    assert "is still being compiled" in second
-    assert started == ["interpreted", "compiled beside", "interpreted"]
+    assert "(0 %)" in first
+    assert "(40 %)" in second
+    assert started == ["interpreted", "process", "interpreted"]
 
 
 def test_who_makes_a_page_is_told_that_the_boat_is_compiled_and_once(tmp_path: Path) -> None:
@@ -230,7 +266,7 @@ def test_who_makes_a_page_is_told_that_the_boat_is_compiled_and_once(tmp_path: P
         first = trained("export-page", page, cache=tmp_path / "cache")
         second = trained("export-page", page, cache=tmp_path / "cache")
 
-    assert first.stderr == "compiling the boat, this once (some 20 seconds) ...\n"
+    assert first.stderr == "compiling the boat, this once (about a minute) ...\n"
     assert second.stderr == ""
     assert first.stdout == second.stdout
 
@@ -259,14 +295,194 @@ def test_what_is_compiled_beside_is_what_runs_and_not_what_lies_in_the_folder(
     (clone / "trainer" / "__init__.py").write_text("raise SystemExit('the sources of a clone')")
     monkeypatch.chdir(clone)
     monkeypatch.delenv("PYTHONSAFEPATH")
-    with compiled_by_another(tmp_path / "cache"):  # it ends when it finds that
-        monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache" / cache_folder().name))
-        first_start.compile_beside()
-        for thread in threading.enumerate():
-            if thread.name == "compiling":
-                thread.join(60.0)
+    folder = tmp_path / "cache" / cache_folder().name
+    folder.mkdir(parents=True)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(folder))
+    compilation.keep()  # it ends when it finds that
+    first_start.compile_beside()
+    await_compilers()
 
     assert (cache_folder() / compilation.COMPLAINTS).read_text() == ""
+
+
+def await_compilers() -> None:
+    """Wait for the processes that compile beside this one."""
+    for thread in threading.enumerate():
+        if thread.name == "compiling":
+            thread.join(60.0)
+
+
+def test_who_starts_once_the_tick_is_there_is_told_so_and_compiles_the_rest_beside(
+    started: list[str],
+) -> None:
+    compilation.keep("tick")
+
+    assert first_start.prepare(OPTIONS) == first_start.NEARLY_READY
+    assert started == ["interpreted", "process"]
+
+
+def test_a_process_that_compiles_holds_the_lock_until_it_ends_whoever_started_it(
+    empty_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    del empty_cache
+    sleeper = [sys.executable, "-c", "import time; time.sleep(600)"]
+    begun: list[subprocess.Popen[bytes]] = []
+    real = subprocess.Popen
+
+    def start(_words: list[str], *, pass_fds: tuple[int], **_how: Any) -> "subprocess.Popen[bytes]":
+        begun.append(real(sleeper, pass_fds=pass_fds))
+        return begun[-1]
+
+    monkeypatch.setattr(subprocess, "Popen", start)
+    first_start.compile_beside()
+    first_start.compile_beside()
+    with compilation.compiling() as lock:
+        assert lock is None
+    assert len(begun) == 1
+
+    begun[0].kill()
+    await_compilers()
+    first_start.compile_beside()
+    assert len(begun) == 2
+    begun[1].kill()
+    await_compilers()
+
+
+@pytest.mark.usefixtures("empty_cache")
+def test_a_compiling_process_that_died_is_begun_again_a_few_times_at_most() -> None:
+    begun: list[int] = []
+
+    there = compilation.await_tick(threading.Event(), lambda _: None, lambda: begun.append(1))
+
+    assert not there
+    assert len(begun) == compilation.MAX_RESTARTS
+
+
+@pytest.mark.usefixtures("empty_cache")
+def test_what_was_begun_again_and_succeeds_is_gone_over_to() -> None:
+    there = compilation.await_tick(
+        threading.Event(), lambda _: None, lambda: compilation.keep("tick")
+    )
+
+    assert there
+
+
+def test_a_compilation_that_complained_is_not_begun_again(empty_cache: Path) -> None:
+    (empty_cache / compilation.COMPLAINTS).write_text("OSError: no space left")
+    begun: list[int] = []
+
+    assert not compilation.await_tick(threading.Event(), lambda _: None, lambda: begun.append(1))
+    assert begun == []
+
+
+@pytest.mark.usefixtures("empty_cache")
+def test_how_far_it_is_only_grows_and_ends_at_a_hundred_though_it_is_begun_again() -> None:
+    percents: list[int] = []
+    ahead = iter([30, 70, 10, 80])  # the third by a process that was begun again
+
+    def go_on() -> None:
+        percent = next(ahead, None)
+        if percent is None:
+            compilation.keep("tick")
+        else:
+            compilation.write_progress(percent)
+
+    monkey = pytest.MonkeyPatch()
+    with monkey.context() as patched:
+        patched.setattr(compilation, "MAX_RESTARTS", 5)
+        assert compilation.await_tick(threading.Event(), percents.append, go_on)
+
+    assert percents == [0, 30, 70, 80, 100]
+
+
+def test_a_line_tells_each_fifth_of_the_way(
+    empty_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    del empty_cache
+    told: list[str] = []
+    session = stand_in(told)
+
+    def compile_(given_up: Any, tell: Callable[[int], None], again: Any) -> bool:
+        del given_up, again
+        for percent in (0, 3, 19, 20, 39, 61, 100):
+            tell(percent)
+        return False
+
+    monkeypatch.setattr(compilation, "await_tick", compile_)
+    run.await_code(session)
+    session.conduct.work.finish()
+
+    assert [text for text in told if "%" in text] == [
+        f"preparing in the background: {percent} %" for percent in (20, 61, 100)
+    ]
+
+
+def stand_in(told: list[str]) -> Any:
+    """Return what of a session waits for machine code; what it tells goes to the list."""
+    work = Work(lambda: None)
+    log = SimpleNamespace(tell=lambda _kind, text: told.append(text))
+    return SimpleNamespace(conduct=SimpleNamespace(work=work), event_log=log, boat=None)
+
+
+def test_the_tick_comes_before_the_rest_and_has_its_mark_before_the_rest_begins(
+    empty_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    del empty_cache
+    done: list[str] = []
+    monkeypatch.setattr(warm_up, "limit_work", lambda niceness: done.append(f"nicer by {niceness}"))
+
+    def compile_tick(_lock: int) -> None:
+        done.append("tick")
+        compilation.keep("tick")
+
+    def try_out(_boat: Any) -> None:
+        done.append("rest")
+        assert compilation.is_tick_kept()
+        assert not compilation.is_kept()
+
+    monkeypatch.setattr(warm_up, "compile_tick_alone", compile_tick)
+    monkeypatch.setattr(warm_up, "try_out", try_out)
+    warm_up.precompile()
+    warm_up.precompile()
+
+    assert done == ["nicer by 5", "tick", "nicer by 5", "rest"]
+    assert compilation.is_kept()
+
+
+@pytest.mark.usefixtures("empty_cache")
+def test_a_killed_compiler_of_the_tick_leaves_no_complaint_so_that_it_is_begun_again(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    killed = [sys.executable, "-c", "import os; os.kill(os.getpid(), 9)"]
+    real = subprocess.run
+    with compilation.compiling() as lock:
+        assert lock is not None
+        monkeypatch.setattr(subprocess, "run", lambda _words, **how: real(killed, **how))
+        with pytest.raises(SystemExit):
+            warm_up.compile_tick_alone(lock)
+
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.slow
+def test_the_tick_compiled_alone_is_one_entry_and_what_a_run_goes_over_to(tmp_path: Path) -> None:
+    trained(
+        code="import runpy; runpy.run_module('trainer.boat.first_tick', run_name='__main__')",
+        cache=tmp_path,
+    )
+    assert [path.name.split(".")[0] for path in tmp_path.rglob("*.nbi")] == ["call"]
+    (mark,) = tmp_path.rglob("tick-*")
+    assert (mark.parent / compilation.PROGRESS).read_text() == "100"
+
+    exercise = ("run", "periscope-depth", "--headless", "--verbose", "--duration", "20", "--speed")
+    with compiled_by_another_in(mark.parent):
+        first = trained(*exercise, "20", "--csv", str(tmp_path / "first.csv"), cache=tmp_path)
+    later = trained(*exercise, "max", "--csv", str(tmp_path / "later.csv"))
+
+    assert "interpreted before tick" in first.stdout
+    assert len(list(tmp_path.rglob("*.nbi"))) == 1
+    assert "interpreted" not in later.stdout
+    assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "later.csv").read_bytes()
 
 
 def test_without_a_folder_that_lasts_nothing_is_compiled_for_later(

@@ -17,17 +17,23 @@ from types import FrameType
 from typing import Final
 
 from trainer.core.cache import cache_folder, sources
-from trainer.io.file_lock import holding
 
 KERNELS: Final = "trainer.core.kernel"  # once it is imported, how kernels run is settled
 LOCK: Final = "compiling"
 LOOK: Final = 0.5  # [s] between looks at whether that is done
 COMPLAINTS: Final = "compiling.log"  # of a compilation beside a run; gone when it succeeds
+PROGRESS: Final = "compiling.percent"  # of the tick alone; gone when all is done
+MAX_RESTARTS: Final = 3  # of a compilation beside a run that died without a word
 
 
 def is_kept() -> bool:
     """Return whether everything that a run needs has been compiled on this machine before."""
     return mark("complete").exists()
+
+
+def is_tick_kept() -> bool:
+    """Return whether the tick alone has been compiled: a boat at sea needs nothing else."""
+    return mark("tick").exists() or is_kept()
 
 
 def keep(name: str = "complete", *folders: str) -> None:
@@ -102,20 +108,51 @@ def machine_code() -> Iterator[None]:
         do_without()
 
 
-def await_code(given_up: threading.Event) -> bool:
-    """Return whether everything has been compiled, once another process has done it or failed.
+def await_tick(
+    given_up: threading.Event, tell: Callable[[int], None], begin_again: Callable[[], object]
+) -> bool:
+    """Return whether the tick has been compiled, once another process has done it or failed.
 
-    It is waited for until that is ``given_up``.
+    It is waited for until that is ``given_up``. How far it is [%] is told as it grows. A process
+    that died is begun again; one that complained is not.
     """
-    complete, complaints = mark("complete"), cache_folder() / COMPLAINTS
-    while not complete.exists():
+    restarts = 0
+    furthest = -1
+    while not is_tick_kept():
         if given_up.wait(LOOK):
             return False
+        if progress() > furthest:
+            furthest = progress()
+            tell(furthest)
         with compiling() as free:
-            failed = free and complaints.exists() and complaints.stat().st_size > 0
-        if failed:
-            return complete.exists()
+            died = free and not is_tick_kept()
+        if died and (has_complained() or restarts == MAX_RESTARTS):
+            return False
+        if died:
+            restarts += 1
+            begin_again()
+    tell(100)
     return True
+
+
+def has_complained() -> bool:
+    """Return whether compiling beside a run has failed, and has said why."""
+    path = cache_folder() / COMPLAINTS
+    return path.exists() and path.stat().st_size > 0
+
+
+def progress() -> int:
+    """Return how much of the tick has been compiled [%]."""
+    try:
+        return min(int((cache_folder() / PROGRESS).read_text(encoding="ascii") or 0), 100)
+    except (OSError, ValueError):
+        return 0
+
+
+def write_progress(percent: int) -> None:
+    """Note how much of the tick has been compiled [%]."""
+    with contextlib.suppress(OSError):
+        (cache_folder() / PROGRESS).write_text(f"{percent}", encoding="ascii")
 
 
 @contextlib.contextmanager
@@ -143,10 +180,20 @@ def interruptible() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def compiling() -> Iterator[bool]:
-    """Yield whether this process alone compiles into the cache now, inside the block."""
-    with holding(cache_folder() / LOCK) as other:
-        yield not other
+def compiling() -> Iterator[int | None]:
+    """Yield the lock of whoever alone compiles into the cache, inside the block; else None.
+
+    A process that inherits the lock holds it until it ends, however it ends.
+    """
+    import fcntl  # noqa: PLC0415  not everywhere
+
+    with (cache_folder() / LOCK).open("wb") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            yield None
+        else:
+            yield lock.fileno()
 
 
 def mark(name: str, *folders: str) -> Path:

@@ -1,9 +1,10 @@
 """The first start of a version: at once and interpreted, while another process compiles.
 
-Compiling takes some twenty seconds, a tick by the interpreter some milliseconds, with the same
-bits. A run in real time therefore begins without machine code, and a process of low priority puts
-it where the next start finds it. A run that wants ticks faster than the interpreter makes them is
-compiled for first. It is all decided before a kernel is imported.
+Compiling takes a minute of a processor, a tick by the interpreter some milliseconds, with the same
+bits. A run in real time therefore begins without machine code. A process beside it compiles first
+the tick alone, to which the run then goes over, and after it all that the next start needs. A run
+that wants ticks faster than the interpreter makes them is compiled for first. It is all decided
+before a kernel is imported.
 """
 
 import math
@@ -29,7 +30,11 @@ EVALUATIONS: Final = {  # in a tick; one with other methods
     "rk4": 4.0,
     "rkv": math.inf,
 }
-INTERPRETED: Final = "interpreted: 100 times slower, with the same bits, and on time"
+PREPARING: Final = (
+    "First start: still preparing in the background ({percent} %). You can sail now; "
+    "only fast time has to wait."
+)
+NEARLY_READY: Final = "First start: the last parts are still being prepared. You can sail now."
 
 
 def prepare(options: RunOptions) -> str:
@@ -41,14 +46,13 @@ def prepare(options: RunOptions) -> str:
     compilation.do_without()
     if not cache_lasts():
         return (
-            f"this run is {INTERPRETED}, since there is no folder to keep machine code in: "
-            "NUMBA_CACHE_DIR names one that can be written to"
+            "No folder for prepared code can be written to: you can sail, but not in fast time. "
+            "NUMBA_CACHE_DIR names a folder that can be written to"
         )
-    with compilation.compiling() as free:
-        begun = "is being" if free else "is still being"
-    if free:
-        compile_beside()
-    return f"first start: the core {begun} compiled beside; until then runs are {INTERPRETED}"
+    compile_beside()
+    if compilation.is_tick_kept():
+        return NEARLY_READY
+    return PREPARING.format(percent=compilation.progress())
 
 
 def is_hurried(options: RunOptions) -> bool:
@@ -84,25 +88,31 @@ def table(kind: str, name: Any) -> Mapping[str, Any]:
 
 def complaints() -> bool:
     """Return whether compiling beside a run has failed. Then it is done where its user sees why."""
-    path = cache_folder() / compilation.COMPLAINTS
     with compilation.compiling() as free:
-        return free and path.exists() and path.stat().st_size > 0
+        return free is not None and compilation.has_complained()
 
 
 def compile_beside() -> None:
-    """Start a process that fills the cache. It may outlive this one, and ends by itself.
+    """Start a process that fills the cache, unless there is one. It ends by itself.
 
-    It compiles the trainer that runs, not one whose sources lie in the present folder.
+    It may outlive this one. It inherits the lock, so that there is never a second one. It compiles
+    the trainer that runs, not one whose sources lie in the present folder.
     """
     ours = str(Path(trainer.__file__).parents[1])
     found = os.pathsep.join(filter(None, (ours, os.environ.get("PYTHONPATH"))))
-    with (cache_folder() / compilation.COMPLAINTS).open("wb") as said:
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "trainer.session.warm_up"],
-            env=os.environ | {"PYTHONPATH": found},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=said,
-            start_new_session=True,  # the terminal's keys are for the run
-        )
+    with compilation.compiling() as lock:
+        if lock is None:
+            return
+        if not compilation.is_tick_kept():
+            compilation.write_progress(0)
+        with (cache_folder() / compilation.COMPLAINTS).open("wb") as said:
+            process = subprocess.Popen(  # noqa: S603  our own words
+                [sys.executable, "-P", "-m", "trainer.session.warm_up", str(lock)],
+                env=os.environ | {"PYTHONPATH": found},
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=said,
+                start_new_session=True,  # the terminal's keys are for the run
+                pass_fds=(lock,),
+            )
     threading.Thread(target=process.wait, name="compiling", daemon=True).start()

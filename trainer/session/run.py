@@ -19,6 +19,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, remembering
+from trainer.core.cache import cache_lasts
 from trainer.io import paths as paths_module
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.file import TakenError
@@ -27,6 +28,7 @@ from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
 from trainer.session.account import SummaryOptions, account
 from trainer.session.exercise import Debriefing, Ending, Following, problem_with
+from trainer.session.first_start import compile_beside
 from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.manning import in_hand
@@ -62,6 +64,7 @@ EXERCISE: Final[Mapping[str, Any]] = {  # what another exercise settles anew: as
     each.name: each.default for each in fields(RunOptions) if each.name in OVERRULED
 }
 NAMES = 100  # that a new recording is tried under
+PERCENT_PER_LINE = 20  # [%] of the tick compiled on a first start, between lines that tell it
 BATCH = 200  # [rows] of a CSV file written at once by a run that keeps no time
 
 
@@ -290,26 +293,33 @@ def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> 
         conduct.ending = Ending.of(prepared.boat, plan.lost, plan.duration)
     if prepared.boat.ticks:
         session.event_log.news.extend(recalled(prepared.history))
-    if compilation.is_interpreted() and options.note:
+    if compilation.is_interpreted() and options.note and cache_lasts():
         await_code(session)
 
 
 def await_code(session: Session) -> None:
-    """Go over to machine code once it is there, between two ticks."""
+    """Go over to machine code once it is there, between two ticks. Tell how far it is."""
+    work, log = session.conduct.work, session.event_log
+
+    def tell(percent: int) -> None:
+        if percent // PERCENT_PER_LINE > told[-1] // PERCENT_PER_LINE:
+            told.append(percent)
+            work.post(lambda: log.tell("time", f"preparing in the background: {percent} %"))
 
     def task() -> Callable[[], None]:
         try:
-            there = compilation.await_code(session.conduct.work.closing)
+            there = compilation.await_tick(work.closing, tell, compile_beside)
             tick = session.boat.compiled_tick() if there else None
         except Exception as error:  # noqa: BLE001 whatever it is, the session goes on as it does
             why = f"compiled code cannot be used: {type(error).__name__}; interpreted to the end"
-            return lambda: session.event_log.tell("trouble", why)
+            return lambda: log.tell("trouble", why)
         if tick is None:
-            why = "" if session.conduct.work.closing.is_set() else "compiling beside has failed"
-            return lambda: session.event_log.tell("trouble", why) if why else None
+            why = "" if work.closing.is_set() else "compiling beside has failed"
+            return lambda: log.tell("trouble", why) if why else None
         return lambda: session.conduct.go_over(tick)
 
-    session.conduct.work.begin("machine code", task)
+    told = [compilation.progress()]
+    work.begin("machine code", task)
 
 
 def open_lines(ports: Ports, session: Session, options: RunOptions) -> None:

@@ -1,11 +1,15 @@
 """A boat is made ready for sea. It is compiled before the clock starts, at a stable step."""
 
+import contextlib
 import gc
 import os
+import subprocess
+import sys
 from functools import partial
 from typing import Final
 
 import click
+import numpy as np
 
 from trainer.boat import casualties, compilation
 from trainer.boat.assemble import Method
@@ -15,12 +19,13 @@ from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.cache import cache_folder
+from trainer.core.entry import COLUMNS, LOOKOUT, sail
 from trainer.core.start import set_out
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
-BOAT: Final = "the boat, this once (some 20 seconds)"
+BOAT: Final = "the boat, this once (about a minute)"
 
 
 def warm(boat: Boat) -> None:
@@ -74,21 +79,55 @@ def refuse_unstable(boat: Boat) -> None:
 
 
 LONGEST: Final = 600  # [s] of processor time: whatever happens, it ends
+TICK_NICENESS: Final = 5  # a run is waiting for it, and goes first all the same
+REST_NICENESS: Final = 10
 
 
-def precompile() -> None:
-    """Compile what a run needs, unless another process does so or has done so."""
+def precompile(lock: int | None = None) -> None:
+    """Compile what a run needs, unless another process does so or has done so.
+
+    ``lock`` is the one that allows it, where whoever started this process has taken it.
+    """
+    with contextlib.ExitStack() as stack:
+        if lock is None:
+            lock = stack.enter_context(compilation.compiling())
+        if lock is not None and not compilation.is_kept():
+            compile_in_stages(lock)
+
+
+def compile_in_stages(lock: int) -> None:
+    """Compile the tick alone, to which runs at sea go over, and then the rest."""
+    limit_work(TICK_NICENESS)
+    if compilation.known_compiler() and not compilation.is_tick_kept():
+        compile_tick_alone(lock)
+    limit_work(REST_NICENESS - TICK_NICENESS)
+    boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+    try_out(boat)
+    # what flies manoeuvres calls the tick from kernels: many ticks in one call
+    sail(tuple(boat.records), np.zeros(1, LOOKOUT), np.zeros((1, COLUMNS)))
+    compilation.keep()
+    for name in (compilation.COMPLAINTS, compilation.PROGRESS):
+        (cache_folder() / name).unlink(missing_ok=True)
+
+
+def limit_work(niceness: int) -> None:
+    """Be nicer by that much, and end after so much processor time, if possible."""
     if os.name == "posix":
         import resource  # noqa: PLC0415  not everywhere
 
-        os.nice(19)
+        os.nice(niceness)
         resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
-    with compilation.compiling() as alone:
-        if alone and not compilation.is_kept():
-            try_out(Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5)))
-            compilation.keep()
-            (cache_folder() / compilation.COMPLAINTS).unlink(missing_ok=True)
+
+
+def compile_tick_alone(lock: int) -> None:
+    """Compile the tick in a process of its own. Leave, without a word, if that is killed."""
+    words = [sys.executable, "-P", "-m", "trainer.boat.first_tick"]
+    status = subprocess.run(words, pass_fds=(lock,), check=False).returncode  # noqa: S603
+    if status < 0:  # whoever waits for it begins again
+        sys.exit(-status)
+    if status > 0:
+        raise subprocess.CalledProcessError(status, words)
 
 
 if __name__ == "__main__":
-    precompile()
+    precompile(*map(int, sys.argv[1:]))
