@@ -6,20 +6,22 @@ import socket
 import ssl
 import subprocess
 import threading
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import pytest
-import uvicorn
 from websockets.sync.client import ClientConnection, connect
 
-from helpers.pages import PATIENCE, free_port
+from helpers.pages import PATIENCE
 from trainer import __version__
 from trainer.io.orders.sentences import Sentence, order_sentence, read
+from trainer.io.server import WAITING
+from trainer.web.admission import Admission, Room
 from trainer.web.gate import Refusals
-from trainer.web.server import application, configuration
+from trainer.web.server import Certificate, Host, application, configuration
 
 
 @dataclass
@@ -65,7 +67,7 @@ def dialled(
     with connect(
         f"{scheme}://127.0.0.1:{port}/line?version={version}",
         origin=how.pop("origin", origin),
-        additional_headers={"Cookie": cookies} if cookies else None,
+        additional_headers=how.pop("headers", {}) | ({"Cookie": cookies} if cookies else {}),
         open_timeout=PATIENCE,
         max_queue=how.pop("max_queue", None),  # else it reads no more
         close_timeout=1.0,
@@ -96,6 +98,8 @@ class Pages:
     port: int
     told: list[str] = field(default_factory=list)
     sessions: list[socket.socket] = field(default_factory=list)  # our ends, one for each page
+    machines: Counter[str] = field(default_factory=Counter)  # connections at once of each
+    beats: int = 0
 
     def reach(self) -> socket.socket:
         """Return the far end of a new line."""
@@ -104,29 +108,41 @@ class Pages:
         self.sessions.append(ours)
         return theirs
 
+    def count_beat(self) -> None:
+        """Count a sign of life of the server."""
+        self.beats += 1
+
 
 @contextlib.contextmanager
-def pages(host: str = "127.0.0.1", **settings: object) -> Iterator[Pages]:
+def pages(
+    host: str = "127.0.0.1",
+    room: Room = Room(),  # noqa: B008  never changed
+    certificate: Certificate | None = None,
+    **settings: object,
+) -> Iterator[Pages]:
     """Serve the pages of a stub; ``settings`` are uvicorn's own."""
-    served = Pages(free_port())
-    config = configuration(application(served.reach, host, Refusals(served.told.append)), None)
-    config.host, config.port = "127.0.0.1", served.port
-    for name, value in settings.items():
-        setattr(config, name, value)
-    server = uvicorn.Server(config)
-    thread = threading.Thread(target=server.run)
-    thread.start()
-    try:
-        while not server.started:
-            assert thread.is_alive()
-            thread.join(0.01)
-        yield served
-    finally:
-        server.should_exit = True
-        thread.join(PATIENCE)
-        assert not thread.is_alive()
-        for end in served.sessions:
-            end.close()
+    with socket.create_server(("127.0.0.1", 0), backlog=WAITING) as listener:
+        served = Pages(listener.getsockname()[1])
+        refusals = Refusals(served.told.append)
+        config = configuration(application(served.reach, host, refusals), certificate)
+        for name, value in settings.items():
+            setattr(config, name, value)
+        admission = Admission(room, refusals)
+        served.machines = admission.machines
+        server = Host(config, listener, admission, served.count_beat)
+        thread = threading.Thread(target=server.run)
+        thread.start()
+        try:
+            while not server.started:
+                assert thread.is_alive()
+                thread.join(0.01)
+            yield served
+        finally:
+            server.should_exit = True
+            thread.join(PATIENCE)
+            assert not thread.is_alive()
+            for end in served.sessions:
+                end.close()
 
 
 AUTHORITY = """

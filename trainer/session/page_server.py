@@ -1,4 +1,4 @@
-"""The server of the pages, a program beside the session, begun again whenever it dies."""
+"""The server of the pages, a program beside the session, begun again when it dies or hangs."""
 
 import contextlib
 import os
@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import IO, Final, cast
 
 from trainer.config.files import ConfigError
 from trainer.io import paths
@@ -21,10 +21,68 @@ from trainer.session.stations.roles import read_tokens, refuse_open_door
 FIRST: Final = 0.25  # [s] until a dead server is begun again, twice as long each time after
 LONGEST_WAIT: Final = 8.0  # [s]
 GOOD: Final = 30.0  # [s] after which a server has done well, and waits are short again
-PATIENCE: Final = 3.0  # [s] for it to end
+CLOSE_TIMEOUT_S: Final = 3.0  # for it to end
+SILENCE_TIMEOUT_S: Final = 10  # a process without a sign of life for so long hangs
+START_TIMEOUT_S: Final = 120  # until the first one: a slow machine imports for long
 WRONG_INPUT: Final = 2  # an exit code: again would be no better
 INHERITS: Final = os.name == "posix"  # else a process cannot be given a socket
 EXAMPLE: Final = f"{paths.HOST}:{paths.PAGES}"
+
+
+class ServerProcess:
+    """A process that serves the pages; it gives signs of life, bytes on its standard output."""
+
+    def __init__(self, words: Sequence[str], inherited: tuple[int, ...]) -> None:
+        """Begin it; OSError where the system has no room for it."""
+        self._process = subprocess.Popen(  # noqa: S603  our own program
+            [sys.executable, "-P", "-m", "trainer", *words],
+            stdin=subprocess.PIPE,  # it ends with this session, however that ends
+            stdout=subprocess.PIPE,
+            bufsize=0,
+            pass_fds=inherited,
+            start_new_session=True,
+        )
+        self._news = threading.Event()
+        self._ended = threading.Event()
+        threading.Thread(target=self._hear, name="pages-alive", daemon=True).start()
+
+    def hangs(self) -> bool:
+        """Wait until it hangs or has ended; return which.
+
+        Silence is counted in seconds in which this session was awake: what has stopped both, such
+        as a machine that was suspended, is no fault of the process.
+        """
+        silent_s, limit_s = 0, START_TIMEOUT_S
+        while not self._ended.is_set():
+            if self._news.wait(1.0):
+                self._news.clear()
+                silent_s, limit_s = 0, SILENCE_TIMEOUT_S
+            else:
+                silent_s += 1
+            if silent_s >= limit_s:
+                return True
+        return False
+
+    def ask_to_end(self) -> None:
+        """Ask it to end."""
+        with contextlib.suppress(OSError):
+            self._process.terminate()
+
+    def end(self, timeout_s: float) -> int:
+        """Return its exit code; it is ended by force if it does not end by itself so soon [s]."""
+        if not self._ended.wait(timeout_s):
+            self._process.kill()
+        if self._process.stdin:
+            self._process.stdin.close()
+        return self._process.wait()  # without a limit, which would sleep in steps
+
+    def _hear(self) -> None:
+        """Note each sign of life, until there can be no more."""
+        with cast("IO[bytes]", self._process.stdout) as pipe:
+            while pipe.read(1):
+                self._news.set()
+        self._ended.set()
+        self._news.set()
 
 
 @dataclass
@@ -43,7 +101,7 @@ class PageServer:
     options: RunOptions
     _url: str = ""  # of the session
     _tell: Callable[[str], None] = print
-    _process: subprocess.Popen[bytes] | None = None
+    _process: ServerProcess | None = None
     _thread: threading.Thread | None = None
     _lock: threading.Lock = field(default_factory=threading.Lock)  # of the process's beginning
     _closing: threading.Event = field(default_factory=threading.Event)
@@ -51,33 +109,36 @@ class PageServer:
     def attend(self, url: str, tell: Callable[[str], None]) -> None:
         """Serve the session at ``url``. ``tell`` is called by another thread, with a trouble."""
         before, self._url, self._tell = self._url, url, tell
-        if self._process is None:
+        if self._thread is None:
             if not INHERITS:
                 self.listener.close()  # it was to see that the address is free
-            self._process = self._begin(opens=self.options.browse)
+            self._begin(opens=self.options.browse)
             self._thread = threading.Thread(target=self._keep, name="pages", daemon=True)
             self._thread.start()
-        elif url != before:
-            self._process.terminate()  # and it is begun again, for this one
+        elif url != before and self._process is not None:
+            self._process.ask_to_end()  # and it is begun again, for this one
 
     def close(self) -> None:
         """End the process, and whatever it has not sent by then; free the address."""
         with self._lock:
             self._closing.set()
         if self._process is not None:
-            end(self._process)
+            self._process.ask_to_end()
+            self._process.end(CLOSE_TIMEOUT_S)
         if self._thread is not None:
             self._thread.join()
         self.listener.close()
 
-    def _begin(self, *, opens: bool) -> subprocess.Popen[bytes]:
-        return subprocess.Popen(  # noqa: S603  our own program
-            [sys.executable, "-P", "-m", "trainer", *self._words(opens=opens)],
-            stdin=subprocess.PIPE,  # it ends with this session, however that ends
-            stdout=subprocess.DEVNULL,
-            pass_fds=(self.listener.fileno(),) if INHERITS else (),
-            start_new_session=True,
-        )
+    def _begin(self, *, opens: bool) -> None:
+        """Begin a process, unless the session ends; tell where the system has no room for it."""
+        inherited = (self.listener.fileno(),) if INHERITS else ()
+        self._process = None
+        try:
+            with self._lock:
+                if not self._closing.is_set():
+                    self._process = ServerProcess(self._words(opens=opens), inherited)
+        except OSError as error:
+            self._tell(f"the pages' server cannot begin: {error.strerror}; it is tried again")
 
     def _words(self, *, opens: bool) -> Sequence[str]:
         """Return the command of the process."""
@@ -91,36 +152,34 @@ class PageServer:
         return words
 
     def _keep(self) -> None:
-        """Begin the process again whenever it has died."""
+        """Begin the process again whenever it has died or hangs."""
         wait = FIRST
-        while self._process is not None:
+        while True:
             begun = time.monotonic()
-            code = self._process.wait()
-            if self._process.stdin:
-                self._process.stdin.close()
+            trouble = self._await_trouble()
             wait = FIRST if time.monotonic() - begun >= GOOD else wait
             if self._closing.wait(wait):
                 return
-            if code == WRONG_INPUT:
+            if trouble is None:
                 self._tell("there are no pages: their server was refused")
                 return
-            self._tell(f"the pages' server has ended with {code}, and begins again")
+            self._tell(trouble)
             wait = min(2.0 * wait, LONGEST_WAIT)
-            with self._lock:
-                if self._closing.is_set():
-                    return
-                self._process = self._begin(opens=False)
+            self._begin(opens=False)
 
-
-def end(process: subprocess.Popen[bytes]) -> None:
-    """End a process, by force where it takes too long."""
-    with contextlib.suppress(OSError):
-        process.terminate()
-    try:
-        process.wait(PATIENCE)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
+    def _await_trouble(self) -> str | None:
+        """Return what has happened to the process once it is gone, None if again is no better."""
+        if self._process is None:
+            return "the pages' server is tried again"
+        hangs = self._process.hangs()
+        code = self._process.end(0.0 if hangs else CLOSE_TIMEOUT_S)
+        if hangs:
+            return f"the pages' server hangs: silent for {SILENCE_TIMEOUT_S} s; it begins again"
+        return (
+            None
+            if code == WRONG_INPUT
+            else f"the pages' server has ended with {code}, and begins again"
+        )
 
 
 @contextlib.contextmanager

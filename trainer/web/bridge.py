@@ -27,7 +27,8 @@ from trainer.io.orders import sentences
 from trainer.io.orders.grammar import LONGEST, Order
 from trainer.io.orders.sentences import LONGEST_ANSWER
 from trainer.io.serial_line import LinkError
-from trainer.web.gate import LOOPBACK, Refusals
+from trainer.web.admission import THIS_MACHINE, machine_of
+from trainer.web.gate import Refusals
 
 # Why a page's line is closed; a page says what to do about each.
 NO_SESSION: Final = 4001
@@ -112,7 +113,7 @@ class Bridge:
         ``words`` are the tokens that this browser keeps, by role.
         """
         try:
-            with self.place(page.client.host if page.client else ""):
+            with self.place(machine_at(page)):
                 end = await asyncio.to_thread(self.reach)
                 shelf = self.shelf if is_here(end) else None
                 local = not isinstance(end.getpeername(), tuple)  # a session of this user
@@ -129,7 +130,7 @@ class Bridge:
     @contextlib.contextmanager
     def place(self, machine: str) -> Iterator[None]:
         """Keep a place for a page inside the block; RefusedError without room."""
-        if machine in LOOPBACK:
+        if machine == THIS_MACHINE:
             yield
             return
         if self.machines[machine] >= A_MACHINE:
@@ -217,6 +218,11 @@ def checked(message: Mapping[str, object], allowance: Allowance) -> str:
     if not LINE.fullmatch(text):
         raise RefusedError("a frame that is not one line of plain ASCII")
     return text
+
+
+def machine_at(page: WebSocket) -> str:
+    """Return what the lines of a page's machine are counted under."""
+    return machine_of(page.client.host, page.scope["server"][0]) if page.client else ""
 
 
 def is_here(end: socket) -> bool:

@@ -1,11 +1,13 @@
 """The start of the pages' server: its address, its certificate, the session it serves."""
 
+import contextlib
 import os
 import signal
 import socket
 import ssl
 import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final, NoReturn
 
@@ -46,7 +48,7 @@ def serve_pages(
         raise ConfigError(str(error)) from None
     except LinkError as error:
         click.echo(f"trainer: {error}; the pages wait for one", err=True)
-    attend(reach, Address(host, port), listen(host, port), certificate, opens=opens)
+    attend(reach, Address(host, port), listen(host, port), certificate, unheard, opens=opens)
 
 
 def serve_owner(
@@ -60,7 +62,8 @@ def serve_owner(
     threading.Thread(target=end_with_owner, name="owner", daemon=True).start()
     host, port = address_of(where)
     listener = listen(host, port) if owner < 0 else socket.socket(fileno=owner)
-    attend(lambda: client.reach(url), Address(host, port), listener, certificate, opens=opens)
+    address, pulse = Address(host, port), pulse_for_owner()
+    attend(lambda: client.reach(url), address, listener, certificate, pulse, opens=opens)
 
 
 def attend(
@@ -68,6 +71,7 @@ def attend(
     asked: Address,
     listener: socket.socket,
     certificate: Certificate | None,
+    pulse: Callable[[], None],
     *,
     opens: bool,
 ) -> None:
@@ -79,7 +83,7 @@ def attend(
         click.echo(announce(address), err=True)
         if opens:
             threading.Thread(target=show, args=(address,), name="browser", daemon=True).start()
-        serve(reach, listener, address, certificate)
+        serve(reach, listener, address, certificate, pulse)
 
 
 def leave(*_signal: object) -> NoReturn:
@@ -141,6 +145,28 @@ def end_with_owner() -> None:
     while os.read(0, 1):
         pass
     signal.raise_signal(signal.SIGTERM)
+
+
+def unheard() -> None:
+    """Give no sign of life, where nobody listens for it."""
+
+
+def pulse_for_owner() -> Callable[[], None]:
+    """Return what writes a byte for the owner, by the standard output that it reads.
+
+    A browser that is begun here must not inherit that, and has none.
+    """
+    pipe = os.dup(1)
+    with Path(os.devnull).open("wb") as nowhere:
+        os.dup2(nowhere.fileno(), 1)
+    if os.name == "posix":
+        os.set_blocking(pipe, False)  # an owner that is stopped reads nothing
+
+    def beat() -> None:
+        with contextlib.suppress(OSError):
+            os.write(pipe, b".")
+
+    return beat
 
 
 def certificate_of(cert: Path | None, key: Path | None) -> Certificate | None:

@@ -24,6 +24,7 @@ from trainer import __version__
 from trainer.io.orders.grammar import LONGEST
 from trainer.io.orders.sentences import order_sentence
 from trainer.web.address import Address
+from trainer.web.admission import Admission, Room, Visit, WholeRequests, allowed_descriptors
 from trainer.web.bridge import OLDER_PAGE, Bridge, Reach
 from trainer.web.gate import Door, Gate, Refusals, policy_of
 from trainer.web.pages import ASSETS, PAGES, Page, render
@@ -33,7 +34,7 @@ LONGEST_WORD: Final = LONGEST - len(order_sentence("role instructor ", "999999")
 SAID: Final = re.compile(rf"(?P<role>[a-z]+) (?P<word>[!#%-)+-~]{{0,{LONGEST_WORD}}})")
 LONGEST_BODY: Final = 200  # [bytes]
 LONGEST_FRAME: Final = 4096  # [bytes] a longer one is not even read
-CONNECTIONS: Final = 500  # at once; what comes beyond is turned away
+PULSE_PERIOD_S: Final = 1.0
 A_WEEK: Final = 7 * 24 * 3600  # [s]
 
 
@@ -58,7 +59,7 @@ class Complaints(logging.Handler):
         self._refusals.note(f"{record.getMessage().splitlines()[0]} {what!r}".rstrip(" '"))
 
 
-def application(reach: Reach, host: str, refusals: Refusals) -> Gate:
+def application(reach: Reach, host: str, refusals: Refusals) -> WholeRequests:
     """Return the pages of a session; ``host`` is where they are served."""
     bridge = Bridge(reach, refusals)
 
@@ -89,7 +90,7 @@ def application(reach: Reach, host: str, refusals: Refusals) -> Gate:
         ],
         middleware=[Middleware(GZipMiddleware, minimum_size=500)],
     )
-    return Gate(pages, Door.at(host), refusals)
+    return WholeRequests(Gate(pages, Door.at(host), refusals))
 
 
 def shown(page: Page) -> Callable[[Request], Awaitable[Response]]:
@@ -139,14 +140,14 @@ def words_of(cookies: dict[str, str]) -> dict[str, str]:
     return {name.removeprefix(KEPT_WORD): word for name, word in kept.items()}
 
 
-def configuration(app: Gate, certificate: Certificate | None) -> uvicorn.Config:
+def configuration(app: WholeRequests, certificate: Certificate | None) -> uvicorn.Config:
     """Return how the pages are served."""
     return uvicorn.Config(
         app,
         log_config=None,
         access_log=False,
         lifespan="off",
-        limit_concurrency=CONNECTIONS,
+        proxy_headers=False,  # whoever is here might say that he is somebody else
         ws_max_size=LONGEST_FRAME,
         ws_ping_interval=10.0,  # a page that does not answer, asleep or gone, is let go
         ws_ping_timeout=20.0,
@@ -158,16 +159,73 @@ def configuration(app: Gate, certificate: Certificate | None) -> uvicorn.Config:
     )
 
 
+class Host(uvicorn.Server):
+    """The server, which takes connections by the rules of their admission."""
+
+    def __init__(
+        self,
+        config: uvicorn.Config,
+        listener: socket.socket,
+        admission: Admission,
+        pulse: Callable[[], None],
+    ) -> None:
+        super().__init__(config)
+        self._listener = listener
+        self._admission = admission
+        self._pulse = pulse
+        self._duties: list[asyncio.Task[None]] = []
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to take connections, and to tell that it does well."""
+        await super().startup(sockets=sockets or [])
+        accept = self._admission.accept(self._listener, self._protocol, self.config.ssl)
+        self._duties = [asyncio.create_task(accept), asyncio.create_task(self._beat())]
+        for duty in self._duties:
+            duty.add_done_callback(self._end)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Take no more connections, and end those that there are."""
+        for duty in self._duties:
+            duty.cancel()
+        await super().shutdown(sockets)
+
+    def _protocol(self, visit: Visit) -> asyncio.Protocol:
+        """Return what speaks HTTP with one connection."""
+        speaker: Callable[..., asyncio.Protocol] = self.config.http_protocol_class
+        state = {"visit": visit}  # of each request by this connection
+        return speaker(config=self.config, server_state=self.server_state, app_state=state)
+
+    async def _beat(self) -> None:
+        """Tell for ever that this loop goes round."""
+        while True:
+            self._pulse()
+            await asyncio.sleep(PULSE_PERIOD_S)
+
+    def _end(self, duty: asyncio.Task[None]) -> None:
+        """End the server where it could not go on; it will be begun again."""
+        if not duty.cancelled() and (error := duty.exception()):
+            logging.getLogger("uvicorn.error").error("the server ends", exc_info=error)
+            self.should_exit = True
+
+
 def serve(
-    reach: Reach, listener: socket.socket, address: Address, certificate: Certificate | None
+    reach: Reach,
+    listener: socket.socket,
+    address: Address,
+    certificate: Certificate | None,
+    pulse: Callable[[], None],
 ) -> None:
-    """Serve the pages at a socket that listens, until a signal."""
+    """Serve the pages at a socket that listens, until a signal.
+
+    ``pulse`` is called each second, as long as the server attends to its connections.
+    """
     refusals = Refusals(lambda text: click.echo(f"pages: {text}", err=True))
     logger = logging.getLogger("uvicorn.error")
     logger.propagate = False
     logger.addHandler(Complaints(refusals))
     app = application(reach, address.host, refusals)
+    admission = Admission(Room.of(allowed_descriptors()), refusals)
     try:
-        uvicorn.Server(configuration(app, certificate)).run(sockets=[listener])
+        Host(configuration(app, certificate), listener, admission, pulse).run()
     finally:
         refusals.close()

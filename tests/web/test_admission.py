@@ -1,0 +1,288 @@
+"""Who is connected to the pages' server: silence shuts nobody out, every machine has places."""
+
+import contextlib
+import socket
+import ssl
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from helpers.pages import PATIENCE, Served
+from helpers.wire import Pages, dialled, make_certificate, pages, request
+from websockets.exceptions import InvalidStatus
+
+from trainer.web import admission
+from trainer.web.admission import (
+    MAX_CONNECTIONS,
+    MAX_CONNECTIONS_OF_MACHINE,
+    MAX_FAREWELLS,
+    THIS_MACHINE,
+    Room,
+    machine_of,
+)
+from trainer.web.bridge import A_MACHINE
+from trainer.web.gate import HEADERS
+from trainer.web.server import Certificate
+
+ANOTHER = "127.0.0.2"  # stands for another machine, where `many_machines` is asked for
+THIRD = "127.0.0.3"
+FEW = Room(here=6, elsewhere=6, machine=4)
+SHORT_S = 1.0
+
+
+def wait_until(happened: Callable[[], object]) -> None:
+    end = time.monotonic() + PATIENCE
+    while not happened():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def many_machines(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take each address of this machine but the first for a machine of its own."""
+    monkeypatch.setattr(admission, "machine_of", lambda peer, _own: peer)
+
+
+@pytest.fixture
+def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Shorten the time for a whole request, and for an answer."""
+    monkeypatch.setattr(admission, "REQUEST_TIMEOUT_S", SHORT_S)
+    monkeypatch.setattr(admission, "ANSWER_TIMEOUT_S", SHORT_S)
+
+
+@contextlib.contextmanager
+def connected(port: int, number: int, machine: str = THIS_MACHINE) -> Iterator[list[socket.socket]]:
+    """Open connections that say nothing while the block lasts."""
+    with contextlib.ExitStack() as stack:
+        yield [
+            stack.enter_context(
+                socket.create_connection(("127.0.0.1", port), PATIENCE, (machine, 0))
+            )
+            for _ in range(number)
+        ]
+
+
+def got_from(end: socket.socket, port: int, path: str = "/") -> bytes:
+    """Return all that comes back for a request, until the connection is closed."""
+    host = f"Host: 127.0.0.1:{port}\r\n"
+    end.sendall(f"GET {path} HTTP/1.1\r\n{host}Connection: close\r\n\r\n".encode())
+    return rest_of(end)
+
+
+def rest_of(end: socket.socket) -> bytes:
+    """Return what still comes; a connection that is cut off has ended as well."""
+    got = b""
+    with contextlib.suppress(ConnectionError):
+        while more := end.recv(65536):
+            got += more
+    return got
+
+
+# Silence
+
+
+def test_505_silent_connections_and_half_requests_shut_nobody_out(shared: Served) -> None:
+    for words in (b"", b"GET / HT"):
+        with connected(shared.port, MAX_CONNECTIONS + 5) as ends:
+            for end in ends:
+                with contextlib.suppress(ConnectionError):  # it has given way already
+                    end.sendall(words)
+            assert request(shared.port, "/helm").status == 200
+            with dialled(shared.port):
+                pass
+
+
+BEGINNINGS = {
+    "nothing": b"",
+    "half a line": b"GET / HT",
+    "a head without an end": b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n",
+    "a body that does not come": b"POST /word HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n"
+    b"Origin: http://127.0.0.1:{port}\r\nContent-Length: 50\r\n\r\nhelm ",
+    "an answered request": b"GET /none HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n",
+}
+
+
+@pytest.mark.parametrize("trickles", [False, True], ids=["silent", "trickling"])
+@pytest.mark.parametrize("beginning", BEGINNINGS)
+@pytest.mark.usefixtures("hurried")
+def test_who_sends_no_whole_request_is_cut_off(beginning: str, trickles: bool) -> None:  # noqa: FBT001
+    with pages() as stub, connected(stub.port, 1) as (end,):
+        end.sendall(BEGINNINGS[beginning].replace(b"{port}", str(stub.port).encode()))
+        end.settimeout(0.1)
+        give_up = time.monotonic() + PATIENCE
+        with contextlib.suppress(ConnectionError):
+            while time.monotonic() < give_up:
+                with contextlib.suppress(TimeoutError):
+                    if not end.recv(65536):
+                        break
+                if trickles:
+                    end.sendall(b"x")
+        assert time.monotonic() < give_up
+        wait_until(lambda: not stub.machines)
+
+
+@pytest.mark.usefixtures("hurried")
+def test_who_never_ends_a_handshake_of_tls_is_cut_off(tmp_path: Path) -> None:
+    certificate = Certificate(*make_certificate(tmp_path))
+    with pages(certificate=certificate) as stub, connected(stub.port, 1) as (end,):
+        end.sendall(b"\x16\x03\x01")
+        assert rest_of(end) == b""
+        wait_until(lambda: not stub.machines)
+
+
+@pytest.mark.usefixtures("hurried")
+def test_who_takes_no_answer_is_cut_off() -> None:
+    with pages() as stub, connected(stub.port, 1) as (end,):
+        end.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        asked = f"GET /instructor HTTP/1.1\r\nHost: 127.0.0.1:{stub.port}\r\n\r\n"
+        with contextlib.suppress(ConnectionError):
+            end.sendall(asked.encode() * 1000)
+        wait_until(lambda: not stub.machines)
+
+
+@pytest.mark.usefixtures("hurried")
+def test_an_open_line_may_be_silent() -> None:
+    with pages() as stub, dialled(stub.port) as line:
+        wait_until(lambda: stub.sessions)
+        with contextlib.suppress(TimeoutError):
+            line.recv(3.0 * SHORT_S)
+        stub.sessions[0].sendall(b"still here\n")
+        assert line.recv(PATIENCE) == "still here"
+
+
+@pytest.mark.usefixtures("many_machines")
+def test_the_longest_silent_connection_of_a_full_machine_gives_way() -> None:
+    with (
+        pages(room=FEW) as stub,
+        connected(stub.port, 1, THIRD) as (first,),
+        connected(stub.port, FEW.machine, ANOTHER) as (second, third, *_),
+        connected(stub.port, 1, ANOTHER) as (newcomer,),
+    ):
+        assert b" 200 OK" in got_from(newcomer, stub.port)
+        assert rest_of(second) == b""
+        for end in (first, third):
+            assert b" 200 OK" in got_from(end, stub.port)
+
+
+# Places
+
+
+@contextlib.contextmanager
+def lines_of(stub: Pages, number: int, machine: str) -> Iterator[None]:
+    """Hold places by pages that are open, which do not give way."""
+    with contextlib.ExitStack() as stack:
+        for _ in range(number):
+            stack.enter_context(dialled(stub.port, source_address=(machine, 0)))
+        yield
+
+
+@pytest.mark.usefixtures("many_machines")
+def test_a_machine_without_a_place_is_told_why_and_the_others_are_not_shut_out() -> None:
+    with pages(room=FEW) as stub, lines_of(stub, FEW.machine, ANOTHER):
+        with connected(stub.port, 1, ANOTHER) as (end,):
+            head, _, body = got_from(end, stub.port).decode().partition("\r\n\r\n")
+        for machine in (THIRD, THIS_MACHINE):
+            with connected(stub.port, 1, machine) as (end,):
+                assert b" 200 OK" in got_from(end, stub.port)
+
+    assert head.startswith("HTTP/1.1 503 ")
+    assert "Retry-After: 10" in head
+    assert all(f"{name}: {value}" in head for name, value in HEADERS.items())
+    assert body == "4 connections of your machine are open: close one of its pages\n"
+    assert any("turned away: 4 connections" in text for text in stub.told)
+
+
+@pytest.mark.usefixtures("many_machines")
+def test_all_other_machines_together_leave_this_one_its_places() -> None:
+    with (
+        pages(room=FEW) as stub,
+        lines_of(stub, FEW.machine, ANOTHER),
+        lines_of(stub, FEW.elsewhere - FEW.machine, THIRD),
+    ):
+        with connected(stub.port, 1, THIRD) as (end,):
+            assert b"no room: 6 connections of other machines" in got_from(end, stub.port)
+        assert request(stub.port, "/helm").status == 200
+
+
+@pytest.mark.usefixtures("many_machines")
+def test_this_machine_takes_no_place_of_others() -> None:
+    with pages(room=FEW) as stub, lines_of(stub, FEW.here, THIS_MACHINE):
+        with connected(stub.port, 1) as (end,):
+            assert b"6 connections of this machine are open" in got_from(end, stub.port)
+        with connected(stub.port, 1, ANOTHER) as (end,):
+            assert b" 200 OK" in got_from(end, stub.port)
+
+
+@pytest.mark.usefixtures("many_machines")
+def test_a_page_that_is_turned_away_by_tls_is_told_why(tmp_path: Path) -> None:
+    cert, key = make_certificate(tmp_path)
+    context = ssl.create_default_context(cafile=str(cert))
+    room = Room(here=1, elsewhere=1, machine=1)
+    with (
+        pages(room=room, certificate=Certificate(cert, key)) as stub,
+        dialled(stub.port, scheme="wss", ssl=context),
+        pytest.raises(InvalidStatus, match="503"),
+        dialled(stub.port, scheme="wss", ssl=context),
+    ):
+        pass
+
+
+@pytest.mark.usefixtures("many_machines")
+def test_a_crowd_that_comes_and_goes_leaves_nothing_behind() -> None:
+    with pages(room=FEW) as stub:
+        with lines_of(stub, FEW.machine, ANOTHER):
+            for number in range(4, 60):
+                with connected(stub.port, 2 * MAX_FAREWELLS, f"127.0.0.{number}"):
+                    pass
+                with connected(stub.port, 2 * MAX_FAREWELLS, ANOTHER):
+                    pass
+        wait_until(lambda: not stub.machines)
+        with connected(stub.port, 1, ANOTHER) as (end,):
+            assert b" 200 OK" in got_from(end, stub.port)
+
+
+def test_who_says_he_speaks_for_another_machine_is_counted_as_himself() -> None:
+    forwarded = {"X-Forwarded-For": "192.0.2.1", "X-Forwarded-Proto": "https"}
+    with pages() as stub, contextlib.ExitStack() as lines:
+        for _ in range(A_MACHINE + 1):
+            lines.enter_context(dialled(stub.port, headers=forwarded))
+        wait_until(lambda: len(stub.sessions) == A_MACHINE + 1)
+        assert set(stub.machines) == {THIS_MACHINE}
+        origin = f"http://127.0.0.1:{stub.port}"
+        kept = request(stub.port, "/word", "POST", "helm mast", Origin=origin, **forwarded)
+    assert kept.status == 200
+    assert "Secure" not in kept.headers["set-cookie"]
+
+
+# Whose a connection is
+
+
+@pytest.mark.parametrize(
+    ("peer", "own", "machine"),
+    [
+        ("127.0.0.1", "127.0.0.1", THIS_MACHINE),
+        ("127.8.9.10", "127.0.0.1", THIS_MACHINE),
+        ("::1", "::1", THIS_MACHINE),
+        ("::ffff:127.0.0.1", "::ffff:127.0.0.1", THIS_MACHINE),
+        ("192.0.2.7", "192.0.2.7", THIS_MACHINE),
+        ("192.0.2.8", "192.0.2.7", "192.0.2.8"),
+        ("::ffff:192.0.2.8", "::ffff:192.0.2.7", "192.0.2.8"),
+        ("fe80::8%eth0", "fe80::7%eth0", "fe80::8"),
+        ("2001:db8::8", "2001:db8::7", "2001:db8::8"),
+        ("2001:db8:0:1:2:3:4:5", "2001:db8::7", "2001:db8:0:1::/64"),
+        ("2001:db8:0:1::9", "2001:db8::7", "2001:db8:0:1::/64"),
+    ],
+)
+def test_a_machine_is_counted_once_under_whichever_address(
+    peer: str, own: str, machine: str
+) -> None:
+    assert machine_of(peer, own) == machine
+
+
+def test_few_descriptors_make_few_places_and_many_make_no_more_than_are_meant() -> None:
+    assert Room.of(100_000) == Room()
+    for descriptors in (0, 64, 256, 1023):
+        room = Room.of(descriptors)
+        assert 1 <= room.machine <= MAX_CONNECTIONS_OF_MACHINE
+        assert 2 * (room.here + room.elsewhere) <= max(descriptors, 4)

@@ -1,0 +1,367 @@
+"""The connections of the pages' server: so many of each machine, and none that stays silent.
+
+A connection takes its place when it is accepted, before TLS and before its first byte, and holds
+it until its socket is closed. It has 10 s to send a whole request, and 10 s after each answer to
+send the next one. A page's line, once it is open, has its own rules (``bridge``).
+
+Where all places are taken, the connection that has been silent for longest gives way: silence shuts
+nobody out. Where none is silent, the newcomer is told why there is no place. This machine and all
+others have places of their own, so that neither can shut the other out.
+"""
+
+import asyncio
+import contextlib
+import ipaddress
+import os
+import socket
+import ssl
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import Final, cast
+
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from trainer.web.gate import HEADERS, Refusals
+
+THIS_MACHINE: Final = "127.0.0.1"  # whatever address its programs come from
+MAX_CONNECTIONS: Final = 500
+MAX_CONNECTIONS_HERE: Final = 100  # of those; no other machine can take them
+MAX_CONNECTIONS_OF_MACHINE: Final = 32  # of another one: a browser opens six, and a line a page
+MAX_FAREWELLS: Final = 8  # newcomers that are being told why; beyond it they are cut off
+REQUEST_TIMEOUT_S: Final = 10.0  # from the first contact, or from an answer, to a whole request
+ANSWER_TIMEOUT_S: Final = 60.0  # for an answer to be made and taken
+FAREWELL_TIMEOUT_S: Final = 2.0
+ACCEPT_PAUSE_S: Final = 1.0  # after the system had no room for a connection
+MAX_BODY_BYTES: Final = 4096  # of a request, that are waited for; its reader refuses what is longer
+SITE_BITS: Final = 64  # of an IPv6 address: one site has all that begin so
+
+DESCRIPTORS_WANTED: Final = 4096
+DESCRIPTORS_RESERVED: Final = 24  # for the server itself, and for farewells
+DESCRIPTORS_OF_CONNECTION: Final = 2  # itself, and its file or its line to the session
+
+
+def machine_of(peer: str, own: str) -> str:
+    """Return what the connections of a machine are counted under.
+
+    ``own`` is the address at which it has come in. A far machine may choose any address of its
+    site; one of this server's own site is a neighbour, and counts alone.
+    """
+    address, here = address_of(peer), address_of(own)
+    if address is None:
+        return peer
+    if address.is_loopback or address == here:
+        return THIS_MACHINE
+    if isinstance(address, ipaddress.IPv4Address) or address.is_link_local:
+        return str(address)
+    site = ipaddress.ip_network((int(address), SITE_BITS), strict=False)
+    return str(address if here in site else site)
+
+
+def address_of(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    """Return an address, an IPv4 one where IPv6 carries it; None for no address."""
+    try:
+        address = ipaddress.ip_address(text.partition("%")[0])
+    except ValueError:
+        return None
+    return getattr(address, "ipv4_mapped", None) or address
+
+
+@dataclass(frozen=True)
+class Room:
+    """The places for connections: of this machine, of all others, of each other one."""
+
+    here: int = MAX_CONNECTIONS_HERE
+    elsewhere: int = MAX_CONNECTIONS - MAX_CONNECTIONS_HERE
+    machine: int = MAX_CONNECTIONS_OF_MACHINE
+
+    @classmethod
+    def of(cls, descriptors: int) -> "Room":
+        """Return the places that so many descriptors of files allow."""
+        most = (descriptors - DESCRIPTORS_RESERVED) // DESCRIPTORS_OF_CONNECTION
+        if most >= MAX_CONNECTIONS:
+            return cls()
+        half = max(most // 2, 1)
+        return cls(min(half, MAX_CONNECTIONS_HERE), half, min(half, MAX_CONNECTIONS_OF_MACHINE))
+
+
+def allowed_descriptors() -> int:
+    """Return how many files this process may have open, once it has asked for enough."""
+    if os.name != "posix":
+        return DESCRIPTORS_WANTED
+    import resource  # noqa: PLC0415  not everywhere
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = DESCRIPTORS_WANTED if hard == resource.RLIM_INFINITY else min(hard, DESCRIPTORS_WANTED)
+    if resource.RLIM_INFINITY != soft < wanted:
+        with contextlib.suppress(OSError, ValueError):  # the system has a limit of its own
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
+            return wanted
+    return soft if soft != resource.RLIM_INFINITY else DESCRIPTORS_WANTED
+
+
+class CountedSocket(socket.socket):
+    """A socket that says when it is closed, whoever closes it."""
+
+    on_close: Callable[[], None] | None = None
+
+    def close(self) -> None:
+        """Close it, and say so once."""
+        super().close()
+        call, self.on_close = self.on_close, None
+        if call is not None:
+            call()
+
+
+class Visit:
+    """One connection: whose it is, and until when it has to say something."""
+
+    def __init__(self, machine: str, silent: dict["Visit", None]) -> None:
+        """``silent`` holds those that are waited for, the one that is for longest first."""
+        self.machine = machine
+        self.end: Callable[[], object] = lambda: None
+        self._silent = silent
+        self._deadline: asyncio.TimerHandle | None = None
+        self._over = False
+
+    def await_request(self) -> None:
+        """Wait for a whole request, for so long and no longer."""
+        if not self._over:
+            self._silent[self] = None
+            self.set_deadline(REQUEST_TIMEOUT_S)
+
+    @contextlib.contextmanager
+    def occupied(self, timeout_s: float | None) -> Iterator[None]:
+        """Attend to a request inside the block, for at most ``timeout_s`` [s]; then wait again."""
+        self._silent.pop(self, None)
+        self.set_deadline(timeout_s)
+        try:
+            yield
+        finally:
+            self.await_request()
+
+    def set_deadline(self, timeout_s: float | None) -> None:
+        """Cut it off in ``timeout_s`` [s], None for never, unless another deadline is set."""
+        if self._deadline is not None:
+            self._deadline.cancel()
+        self._deadline = None
+        if timeout_s is not None and not self._over:
+            self._deadline = asyncio.get_running_loop().call_later(timeout_s, self.cut_off)
+
+    def cut_off(self) -> None:
+        """End the connection, whatever it is about to say."""
+        self.finish()
+        self.end()
+
+    def finish(self) -> None:
+        """Wait for nothing more."""
+        self._over = True
+        self._silent.pop(self, None)
+        self.set_deadline(None)
+
+
+class WholeRequests:
+    """Passes on requests that have come whole, and keeps the time of each connection."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on once its body is there too, a page's line at once."""
+        visit: Visit = scope["state"]["visit"]
+        if scope["type"] == "websocket":
+            with visit.occupied(None):
+                await self._app(scope, receive, send)
+            return
+        body = await whole_body(receive)
+        with visit.occupied(ANSWER_TIMEOUT_S):
+            await self._app(scope, replayed(body, receive), send)
+
+
+async def whole_body(receive: Receive) -> list[Message]:
+    """Return the parts of a request's body, as far as anybody would read it."""
+    parts: list[Message] = []
+    size = 0
+    while size <= MAX_BODY_BYTES:
+        part = await receive()
+        parts.append(part)
+        size += len(part.get("body", b""))
+        if not part.get("more_body", False):
+            break
+    return parts
+
+
+def replayed(parts: list[Message], receive: Receive) -> Receive:
+    """Return what yields parts that have come already, and then those to come."""
+    waiting = iter(parts)
+
+    async def receive_next() -> Message:
+        for part in waiting:
+            return part
+        return await receive()
+
+    return receive_next
+
+
+class Farewell(asyncio.Protocol):
+    """Tells a newcomer without a place why, once it asks for something."""
+
+    def __init__(self, why: str) -> None:
+        self._answer = turned_away(why)
+        self._transport: asyncio.Transport | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Keep the way back."""
+        self._transport = cast("asyncio.Transport", transport)
+
+    def data_received(self, _data: bytes) -> None:
+        """Answer the first words; those after them are read, or the answer would be lost."""
+        transport, self._transport = self._transport, None
+        if transport is None:
+            return
+        transport.write(self._answer)
+        if transport.can_write_eof():
+            transport.write_eof()
+        else:
+            transport.close()
+
+
+def turned_away(why: str) -> bytes:
+    """Return the answer to a newcomer without a place."""
+    body = f"{why}\n".encode()
+    headers = {
+        "Content-Type": "text/plain; charset=utf-8",
+        "Content-Length": str(len(body)),
+        "Connection": "close",
+        "Retry-After": f"{REQUEST_TIMEOUT_S:.0f}",
+        **HEADERS,
+    }
+    head = "".join(f"{name}: {value}\r\n" for name, value in headers.items())
+    return f"HTTP/1.1 503 Service Unavailable\r\n{head}\r\n".encode() + body
+
+
+Protocols = Callable[[Visit], asyncio.Protocol]
+
+
+class Admission:
+    """Gives places to connections, and takes them back."""
+
+    def __init__(self, room: Room, refusals: Refusals) -> None:
+        self._room = room
+        self._refusals = refusals
+        self.machines: Counter[str] = Counter()  # connections at once of each
+        self._silent: dict[Visit, None] = {}
+        self._farewells = 0
+        self._starting: set[asyncio.Task[None]] = set()
+
+    async def accept(
+        self, listener: socket.socket, protocols: Protocols, context: ssl.SSLContext | None
+    ) -> None:
+        """Accept connections for ever, in TLS with a ``context``."""
+        loop = asyncio.get_running_loop()
+        listener.settimeout(0.0)
+        while True:
+            try:
+                end, peer = await loop.sock_accept(listener)
+                self._welcome(CountedSocket(fileno=end.detach()), peer, protocols, context)
+            except ConnectionError:  # gone again
+                pass
+            except OSError as error:
+                self._refusals.note(f"no connection is taken for a moment: {error.strerror}")
+                give_way(self._silent)
+                await asyncio.sleep(ACCEPT_PAUSE_S)
+            await asyncio.sleep(0)  # sock_accept does not wait where somebody is at the door
+
+    def _welcome(
+        self,
+        end: CountedSocket,
+        peer: tuple[str, int],
+        protocols: Protocols,
+        context: ssl.SSLContext | None,
+    ) -> None:
+        """Give a connection its place, or tell it why there is none."""
+        end.settimeout(0.0)
+        visit = Visit(machine_of(peer[0], end.getsockname()[0]), self._silent)
+        if why := self._refusal(visit.machine):
+            self._refusals.add(peer[:2], f"turned away: {why}")
+            self._part(end, why, context)
+            return
+        self.machines[visit.machine] += 1
+        end.on_close = partial(self._leave, visit)
+        visit.await_request()
+        self._start(visit, end, partial(protocols, visit), context)
+
+    def _refusal(self, machine: str) -> str:
+        """Return why there is no place for one more, "" if there is or somebody gives way."""
+        count, here = self.machines[machine], self.machines[THIS_MACHINE]
+        elsewhere = self.machines.total() - here
+        same = [visit for visit in self._silent if visit.machine == machine]
+        if machine == THIS_MACHINE:
+            full = here >= self._room.here and not give_way(same)
+            return f"{here} connections of this machine are open: close one of its pages" * full
+        if count >= self._room.machine:
+            full = not give_way(same)
+            return f"{count} connections of your machine are open: close one of its pages" * full
+        others = [visit for visit in self._silent if visit.machine != THIS_MACHINE]
+        full = elsewhere >= self._room.elsewhere and not give_way(others)
+        return f"no room: {elsewhere} connections of other machines are open" * full
+
+    def _leave(self, visit: Visit) -> None:
+        """Take a place back."""
+        visit.finish()
+        self.machines[visit.machine] -= 1
+        if not self.machines[visit.machine]:
+            del self.machines[visit.machine]
+
+    def _part(self, end: CountedSocket, why: str, context: ssl.SSLContext | None) -> None:
+        """Tell a newcomer why there is no place, unless too many are being told."""
+        if self._farewells >= MAX_FAREWELLS:
+            end.close()
+            return
+        visit = Visit("", {})
+        visit.set_deadline(FAREWELL_TIMEOUT_S)
+        self._farewells += 1
+        end.on_close = partial(self._end_farewell, visit)
+        self._start(visit, end, partial(Farewell, why), context)
+
+    def _end_farewell(self, visit: Visit) -> None:
+        visit.finish()
+        self._farewells -= 1
+
+    def _start(
+        self,
+        visit: Visit,
+        end: CountedSocket,
+        protocol: Callable[[], asyncio.Protocol],
+        context: ssl.SSLContext | None,
+    ) -> None:
+        """Let a connection speak, from its first byte on."""
+        starting = asyncio.create_task(connect(visit, end, protocol, context))
+        visit.end = starting.cancel
+        self._starting.add(starting)
+        starting.add_done_callback(self._starting.discard)
+
+
+async def connect(
+    visit: Visit,
+    end: CountedSocket,
+    protocol: Callable[[], asyncio.Protocol],
+    context: ssl.SSLContext | None,
+) -> None:
+    """Connect a socket to its protocol, by TLS with a ``context``."""
+    loop = asyncio.get_running_loop()
+    try:
+        transport, _ = await loop.connect_accepted_socket(protocol, end, ssl=context)
+    except (OSError, asyncio.CancelledError):  # it speaks no TLS, is gone, or has taken too long
+        end.close()
+    else:
+        visit.end = transport.abort
+
+
+def give_way(silent: Iterable[Visit]) -> bool:
+    """Cut off the one that has been silent for longest; return whether there is one."""
+    first = next(iter(silent), None)
+    if first is not None:
+        first.cut_off()
+    return first is not None
