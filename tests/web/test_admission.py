@@ -138,6 +138,7 @@ def test_who_takes_no_answer_is_cut_off() -> None:
         asked = f"GET /instructor HTTP/1.1\r\nHost: 127.0.0.1:{stub.port}\r\n\r\n"
         with contextlib.suppress(ConnectionError):
             end.sendall(asked.encode() * 1000)
+        assert b" 200 OK" in end.recv(100)
         wait_until(lambda: not stub.machines)
 
 
