@@ -4,6 +4,7 @@ import contextlib
 import http.client
 import os
 import re
+import shutil
 import signal
 import socket
 import ssl
@@ -35,6 +36,7 @@ from trainer import __version__
 from trainer.cli.main import cli
 from trainer.config import extras
 from trainer.config.files import ConfigError
+from trainer.session.page_server import SILENCE_TIMEOUT_S
 from trainer.web.address import Address, announce
 from trainer.web.bridge import (
     A_MACHINE,
@@ -529,6 +531,66 @@ def test_a_killed_server_comes_back_at_its_address_and_its_pages_by_themselves(
     )
 
 
+def test_a_server_that_is_stopped_is_begun_again_and_its_pages_come_back(
+    serve: Serve, look: Look
+) -> None:
+    session = serve()
+    page = look(session, "helm")
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    first = child_of(session.process.pid)
+
+    os.kill(first, signal.SIGSTOP)
+
+    wait_until(lambda: child_of(session.process.pid) not in {0, first})
+    expect(page.locator("#state")).to_have_text("FROZEN", timeout=1e3 * PATIENCE)
+    assert request(session.port, "/helm").status == 200
+    instructor = session.attach()
+    wait_until(lambda: instructor.ask("log")[0] and any("hangs" in x for x in instructor.said))
+
+
+def test_a_server_that_was_stopped_together_with_its_session_is_left_alone(serve: Serve) -> None:
+    session = serve()
+    server = child_of(session.process.pid)
+    both = (session.process.pid, server)
+    for process in both:
+        os.kill(process, signal.SIGSTOP)
+    time.sleep(SILENCE_TIMEOUT_S + 2)
+    for process in both:
+        os.kill(process, signal.SIGCONT)
+
+    time.sleep(3)  # it would be killed in the first second
+    assert child_of(session.process.pid) == server
+    assert request(session.port, "/helm").status == 200
+
+
+def test_a_page_says_that_its_session_is_stopped_and_comes_back_with_it(
+    serve: Serve, look: Look
+) -> None:
+    session = serve("--no-record", frozen=False)
+    page = look(session, "helm")
+    expect(page.locator("#state")).to_have_text("RUNNING")
+
+    session.process.send_signal(signal.SIGSTOP)
+    expect(page.locator("#state")).not_to_have_text("RUNNING", timeout=1e3 * PATIENCE)
+    session.process.send_signal(signal.SIGCONT)
+
+    expect(page.locator("#state")).to_have_text("RUNNING", timeout=1e3 * PATIENCE)
+
+
+def test_pages_are_served_and_end_where_the_time_of_day_is_a_made_up_one(tmp_path: Path) -> None:
+    faketime = shutil.which("faketime")
+    if faketime is None:
+        pytest.skip("no faketime: install the package faketime")
+    words = ["run", "--web", "--web-at", "127.0.0.1:0", "--no-record", "--duration", "10"]
+    made_up = (faketime, "--exclude-monotonic", "-f", "+400d")
+    with program(tmp_path, *words, before=made_up) as process:
+        found = re.search(r"127.0.0.1:([0-9]+)/", await_said(process, "pages at"))
+        assert found
+        assert request(int(found[1]), "/helm").status == 200
+        _, told = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0, told
+
+
 def test_a_killed_session_takes_its_pages_server_with_it(serve: Serve) -> None:
     session = serve()
 
@@ -569,10 +631,12 @@ def test_the_next_exercise_is_at_the_same_address(serve: Serve) -> None:
 
 
 @contextlib.contextmanager
-def program(folder: Path, *words: str, **own: str) -> Iterator[subprocess.Popen[str]]:
-    """Run a command of the trainer while the block lasts."""
+def program(
+    folder: Path, *words: str, before: tuple[str, ...] = (), **own: str
+) -> Iterator[subprocess.Popen[str]]:
+    """Run a command of the trainer while the block lasts, by another command ``before`` it."""
     with subprocess.Popen(
-        [sys.executable, "-m", "trainer", *words],
+        [*before, sys.executable, "-m", "trainer", *words],
         env={**environment(), "XDG_RUNTIME_DIR": str(folder), "BROWSER": "true", **own},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
