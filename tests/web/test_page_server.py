@@ -577,6 +577,52 @@ def test_a_page_says_that_its_session_is_stopped_and_comes_back_with_it(
     expect(page.locator("#state")).to_have_text("RUNNING", timeout=1e3 * PATIENCE)
 
 
+@pytest.fixture
+def limit_descriptors() -> Callable[[int, int], None]:
+    """Return what leaves a process so many descriptors of files."""
+    resource = pytest.importorskip("resource")
+    if not hasattr(resource, "prlimit"):
+        pytest.skip("this system sets no limits of another process")
+
+    def limit(process: int, most: int) -> None:
+        hard = resource.prlimit(process, resource.RLIMIT_NOFILE)[1]
+        resource.prlimit(process, resource.RLIMIT_NOFILE, (most, hard))
+
+    return limit
+
+
+def test_a_server_out_of_descriptors_still_serves_who_asks_for_something(
+    serve: Serve, limit_descriptors: Callable[[int, int], None]
+) -> None:
+    session = serve()
+    assert request(session.port, "/helm").status == 200  # it has begun, and asked for its own
+    limit_descriptors(child_of(session.process.pid), 24)
+    with contextlib.ExitStack() as silent:
+        for _ in range(100):
+            silent.enter_context(socket.create_connection(("127.0.0.1", session.port), PATIENCE))
+        assert request(session.port, "/helm").status == 200
+        with dialled(session.port) as line:
+            assert ask(line, "role helm")[0] == "ok"
+    assert "no room for a connection: Too many open files" in said(session)
+
+
+def test_a_session_out_of_descriptors_begins_its_pages_again_once_it_has_some(
+    serve: Serve, limit_descriptors: Callable[[int, int], None]
+) -> None:
+    session = serve()
+    instructor = session.attach()
+    before = len(list(Path(f"/proc/{session.process.pid}/fd").iterdir()))
+    limit_descriptors(session.process.pid, before)
+
+    os.kill(child_of(session.process.pid), signal.SIGKILL)
+    wait_until(
+        lambda: instructor.ask("log")[0] and any("cannot begin" in x for x in instructor.said)
+    )
+    limit_descriptors(session.process.pid, 1024)
+
+    assert request(session.port, "/helm").status == 200
+
+
 def test_pages_are_served_and_end_where_the_time_of_day_is_a_made_up_one(tmp_path: Path) -> None:
     faketime = shutil.which("faketime")
     if faketime is None:

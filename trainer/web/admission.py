@@ -33,7 +33,7 @@ MAX_FAREWELLS: Final = 8  # newcomers that are being told why; beyond it they ar
 REQUEST_TIMEOUT_S: Final = 10.0  # from the first contact, or from an answer, to a whole request
 ANSWER_TIMEOUT_S: Final = 60.0  # for an answer to be made and taken
 FAREWELL_TIMEOUT_S: Final = 2.0
-ACCEPT_PAUSE_S: Final = 1.0  # after the system had no room for a connection
+ACCEPT_PAUSE_S: Final = 1.0  # where the system has no room and nobody gives way
 MAX_BODY_BYTES: Final = 4096  # of a request, that are waited for; its reader refuses what is longer
 SITE_BITS: Final = 64  # of an IPv6 address: one site has all that begin so
 
@@ -268,9 +268,9 @@ class Admission:
             except ConnectionError:  # gone again
                 pass
             except OSError as error:
-                self._refusals.note(f"no connection is taken for a moment: {error.strerror}")
-                give_way(self._silent)
-                await asyncio.sleep(ACCEPT_PAUSE_S)
+                self._refusals.note(f"no room for a connection: {error.strerror}")
+                if not give_way(self._silent):
+                    await asyncio.sleep(ACCEPT_PAUSE_S)
             await asyncio.sleep(0)  # sock_accept does not wait where somebody is at the door
 
     def _welcome(
