@@ -1,9 +1,11 @@
 """Who is connected to the pages' server: silence shuts nobody out, every machine has places."""
 
 import contextlib
+import gzip
 import socket
 import ssl
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from helpers.pages import PATIENCE, Served
 from helpers.wire import Pages, dialled, make_certificate, pages, request
 from websockets.exceptions import InvalidStatus
 
+from trainer import __version__
 from trainer.web import admission
 from trainer.web.admission import (
     MAX_CONNECTIONS,
@@ -77,6 +80,33 @@ def rest_of(end: socket.socket) -> bytes:
         while more := end.recv(65536):
             got += more
     return got
+
+
+@contextlib.contextmanager
+def upgraded(port: int, more: str = "") -> Iterator[socket.socket]:
+    """Open a page's line by hand, with ``more`` headers; nothing reads or answers it."""
+    with connected(port, 1) as (end,):
+        end.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        end.sendall(
+            f"GET /line?version={__version__} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n"
+            f"Origin: http://127.0.0.1:{port}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+            f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {'A' * 22}==\r\n{more}\r\n".encode()
+        )
+        head = b""
+        while not head.endswith(b"\r\n\r\n"):
+            head += end.recv(1)
+        assert b" 101 " in head
+        assert b"deflate" not in head
+        yield end
+
+
+def is_cut_off(end: socket.socket, flood: bytes) -> bool:
+    """Send without end; return whether that is ended from afar."""
+    with contextlib.suppress(ConnectionError):
+        for _ in range(10_000):
+            end.sendall(flood)
+        return False
+    return True
 
 
 # Silence
@@ -150,6 +180,56 @@ def test_an_open_line_may_be_silent() -> None:
             line.recv(3.0 * SHORT_S)
         stub.sessions[0].sendall(b"still here\n")
         assert line.recv(PATIENCE) == "still here"
+
+
+@pytest.mark.usefixtures("hurried")
+def test_a_line_that_is_not_read_is_closed_for_good() -> None:
+    line = b"$TRE,1,0.5,order,%s*00\n" % (b"x" * 1000)
+    with (
+        pages(ws_ping_interval=0.1, ws_ping_timeout=0.5) as stub,
+        upgraded(stub.port),
+    ):
+        wait_until(lambda: stub.sessions)
+        with contextlib.suppress(OSError):  # the line is closed meanwhile
+            for _ in range(100_000):
+                stub.sessions[0].sendall(line)
+        wait_until(lambda: not stub.machines)
+
+
+FLOODS = {
+    "pings": b"\x89\xfd\0\0\0\0" + b"x" * 125,
+    "empty frames of one message": b"\x00\x80\0\0\0\0",
+    "frames": b"\x02\xfd\0\0\0\0" + b"x" * 125,
+}
+
+
+@pytest.mark.parametrize("flood", FLOODS)
+def test_a_flood_of_bytes_that_are_no_line_is_cut_off(flood: str) -> None:
+    with pages() as stub, upgraded(stub.port) as end, dialled(stub.port) as other:
+        wait_until(lambda: len(stub.sessions) == 2)
+        end.sendall(b"\x01\x80\0\0\0\0")  # the first frame of a text
+        assert is_cut_off(end, FLOODS[flood] * 1000)
+        assert request(stub.port, "/helm").status == 200
+        stub.sessions[1].sendall(b"still here\n")
+        assert other.recv(PATIENCE) == "still here"
+
+
+def test_no_frame_and_no_body_is_ever_inflated() -> None:
+    deflated = zlib.compressobj(wbits=-15)
+    bomb = deflated.compress(bytes(3_000_000)) + deflated.flush()
+    packed = gzip.compress(b"helm mast")  # would be a word
+    with pages() as stub:
+        with upgraded(stub.port, "Sec-WebSocket-Extensions: permessage-deflate\r\n") as end:
+            end.sendall(b"\xc1\xfe" + len(bomb).to_bytes(2) + b"\0\0\0\0" + bomb)
+            closed = rest_of(end)
+        with connected(stub.port, 1) as (end,):
+            here = f"127.0.0.1:{stub.port}"
+            head = f"POST /word HTTP/1.1\r\nHost: {here}\r\nOrigin: http://{here}\r\n"
+            head += f"Content-Encoding: gzip\r\nContent-Length: {len(packed)}\r\n"
+            end.sendall(f"{head}Connection: close\r\n\r\n".encode() + packed)
+            answer = rest_of(end)
+    assert closed[2:4] == (1002).to_bytes(2)  # a protocol error: none was agreed on
+    assert answer.startswith(b"HTTP/1.1 400 ")
 
 
 @pytest.mark.usefixtures("many_machines")
@@ -251,7 +331,9 @@ def test_who_says_he_speaks_for_another_machine_is_counted_as_himself() -> None:
         wait_until(lambda: len(stub.sessions) == A_MACHINE + 1)
         assert set(stub.machines) == {THIS_MACHINE}
         origin = f"http://127.0.0.1:{stub.port}"
-        kept = request(stub.port, "/word", "POST", "helm mast", Origin=origin, **forwarded)
+        kept = request(
+            stub.port, "/word", "POST", "helm mast", context=None, Origin=origin, **forwarded
+        )
     assert kept.status == 200
     assert "Secure" not in kept.headers["set-cookie"]
 

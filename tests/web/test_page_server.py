@@ -829,7 +829,7 @@ def test_run_opens_its_pages_and_takes_another_port_where_the_usual_is_taken(
 def test_without_a_browser_the_user_is_told_what_to_open(tmp_path: Path) -> None:
     words = ["web", "--connect", str(tmp_path / "none"), "--web", "127.0.0.1:0"]
     nowhere = {"PATH": str(tmp_path), "BROWSER": "", "DISPLAY": "", "WAYLAND_DISPLAY": ""}
-    with program(tmp_path, *words, **nowhere) as process:
+    with program(tmp_path, *words, before=(), **nowhere) as process:
         told = await_said(process, "no browser was found")
     assert re.search(r"no session listens there.*the pages wait for one", told)
     assert re.search(r"no browser was found: open http://127.0.0.1:[0-9]+/ in one", told)

@@ -121,6 +121,7 @@ class Visit:
         """``silent`` holds those that are waited for, the one that is for longest first."""
         self.machine = machine
         self.end: Callable[[], object] = lambda: None
+        self.is_closing: Callable[[], bool] = lambda: False
         self._silent = silent
         self._deadline: asyncio.TimerHandle | None = None
         self._over = False
@@ -132,22 +133,39 @@ class Visit:
             self.set_deadline(REQUEST_TIMEOUT_S)
 
     @contextlib.contextmanager
-    def occupied(self, timeout_s: float | None) -> Iterator[None]:
-        """Attend to a request inside the block, for at most ``timeout_s`` [s]; then wait again."""
+    def answering(self) -> Iterator[None]:
+        """Answer a request inside the block, and not for ever; then wait for the next one."""
         self._silent.pop(self, None)
-        self.set_deadline(timeout_s)
+        self.set_deadline(ANSWER_TIMEOUT_S)
         try:
             yield
         finally:
             self.await_request()
 
-    def set_deadline(self, timeout_s: float | None) -> None:
-        """Cut it off in ``timeout_s`` [s], None for never, unless another deadline is set."""
+    @contextlib.contextmanager
+    def carrying_line(self) -> Iterator[None]:
+        """Carry a page's line inside the block, for as long as it is open."""
+        self._silent.pop(self, None)
+        self._watch_line()
+        try:
+            yield
+        finally:
+            self.await_request()
+
+    def set_deadline(self, timeout_s: float) -> None:
+        """Cut it off in ``timeout_s`` [s], unless something else is set by then."""
+        self._call_later(timeout_s, self.cut_off)
+
+    def _watch_line(self) -> None:
+        """Cut off a line that is closed, if its far end does not take what is still to be sent."""
+        call = self.cut_off if self.is_closing() else self._watch_line
+        self._call_later(REQUEST_TIMEOUT_S, call)
+
+    def _call_later(self, delay_s: float, call: Callable[[], None]) -> None:
         if self._deadline is not None:
             self._deadline.cancel()
-        self._deadline = None
-        if timeout_s is not None and not self._over:
-            self._deadline = asyncio.get_running_loop().call_later(timeout_s, self.cut_off)
+        if not self._over:
+            self._deadline = asyncio.get_running_loop().call_later(delay_s, call)
 
     def cut_off(self) -> None:
         """End the connection, whatever it is about to say."""
@@ -158,7 +176,8 @@ class Visit:
         """Wait for nothing more."""
         self._over = True
         self._silent.pop(self, None)
-        self.set_deadline(None)
+        if self._deadline is not None:
+            self._deadline.cancel()
 
 
 class WholeRequests:
@@ -171,11 +190,11 @@ class WholeRequests:
         """Pass a request on once its body is there too, a page's line at once."""
         visit: Visit = scope["state"]["visit"]
         if scope["type"] == "websocket":
-            with visit.occupied(None):
+            with visit.carrying_line():
                 await self._app(scope, receive, send)
             return
         body = await whole_body(receive)
-        with visit.occupied(ANSWER_TIMEOUT_S):
+        with visit.answering():
             await self._app(scope, replayed(body, receive), send)
 
 
@@ -356,7 +375,7 @@ async def connect(
     except (OSError, asyncio.CancelledError):  # it speaks no TLS, is gone, or has taken too long
         end.close()
     else:
-        visit.end = transport.abort
+        visit.end, visit.is_closing = transport.abort, transport.is_closing
 
 
 def give_way(silent: Iterable[Visit]) -> bool:

@@ -82,20 +82,21 @@ class RefusedError(Exception):
     """A frame that could not be an order; the text says why."""
 
 
-@dataclass
 class Allowance:
-    """The frames that a page may still send: so many a second."""
+    """The frames, or bytes, that a page may still send: so many a second."""
 
-    left: float = FRAMES_AT_ONCE
-    since: float = field(default_factory=time.monotonic)
+    def __init__(self, rate: float, most: float) -> None:
+        """Allow ``rate`` a second, and ``most`` at once."""
+        self._rate, self._most = rate, most
+        self._left = most
+        self._since = time.monotonic()
 
-    def take(self) -> None:
-        """Count a frame; RefusedError where there are too many."""
+    def covers(self, amount: float) -> bool:
+        """Take an amount off; return whether there was enough."""
         now = time.monotonic()
-        self.left = min(self.left + (now - self.since) * FRAMES_A_SECOND, FRAMES_AT_ONCE) - 1
-        self.since = now
-        if self.left < 0:
-            raise RefusedError(f"more than {FRAMES_A_SECOND} frames a second")
+        self._left = min(self._left + (now - self._since) * self._rate, self._most) - amount
+        self._since = now
+        return self._left >= 0
 
 
 @dataclass
@@ -192,7 +193,7 @@ class Bridge:
         self, page: WebSocket, writer: asyncio.StreamWriter, words: Mapping[str, str]
     ) -> None:
         """Carry the page's lines to the session."""
-        allowance = Allowance()
+        allowance = Allowance(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         try:
             while True:
                 line = checked(await page.receive(), allowance)
@@ -209,7 +210,8 @@ def checked(message: Mapping[str, object], allowance: Allowance) -> str:
     """Return the line in a frame; RefusedError if it could not be one."""
     if message["type"] == "websocket.disconnect":
         raise WebSocketDisconnect
-    allowance.take()
+    if not allowance.covers(1):
+        raise RefusedError(f"more than {FRAMES_A_SECOND} frames a second")
     text = message.get("text")
     if not isinstance(text, str):
         raise RefusedError("a frame that is no text")

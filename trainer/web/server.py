@@ -7,7 +7,7 @@ import socket
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, cast
 
 import click
 import uvicorn
@@ -19,13 +19,14 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
+from uvicorn.protocols.websockets.auto import AutoWebSocketsProtocol
 
 from trainer import __version__
 from trainer.io.orders.grammar import LONGEST
 from trainer.io.orders.sentences import order_sentence
 from trainer.web.address import Address
 from trainer.web.admission import Admission, Room, Visit, WholeRequests, allowed_descriptors
-from trainer.web.bridge import OLDER_PAGE, Bridge, Reach
+from trainer.web.bridge import OLDER_PAGE, Allowance, Bridge, Reach
 from trainer.web.gate import Door, Gate, Refusals, policy_of
 from trainer.web.pages import ASSETS, PAGES, Page, render
 
@@ -34,6 +35,8 @@ LONGEST_WORD: Final = LONGEST - len(order_sentence("role instructor ", "999999")
 SAID: Final = re.compile(rf"(?P<role>[a-z]+) (?P<word>[!#%-)+-~]{{0,{LONGEST_WORD}}})")
 LONGEST_BODY: Final = 200  # [bytes]
 LONGEST_FRAME: Final = 4096  # [bytes] a longer one is not even read
+MAX_LINE_BYTES_PER_S: Final = 65536  # of a page's line; a lever sends a thousand
+MAX_LINE_BYTES_AT_ONCE: Final = 4 * 1024 * 1024
 PULSE_PERIOD_S: Final = 1.0
 A_WEEK: Final = 7 * 24 * 3600  # [s]
 
@@ -140,6 +143,26 @@ def words_of(cookies: dict[str, str]) -> dict[str, str]:
     return {name.removeprefix(KEPT_WORD): word for name, word in kept.items()}
 
 
+class MeasuredLine(asyncio.Protocol):
+    """A line of a page, which has so many bytes a second: empty frames and pings count as well."""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Begin to count."""
+        self._far_end = cast("asyncio.Transport", transport)
+        self._allowance = Allowance(MAX_LINE_BYTES_PER_S, MAX_LINE_BYTES_AT_ONCE)
+        super().connection_made(transport)
+
+    def data_received(self, data: bytes) -> None:
+        """Take what comes, or cut the line off."""
+        if self._allowance.covers(len(data)):
+            super().data_received(data)
+            return
+        machine = self._far_end.get_extra_info("peername")[0]
+        rate = f"{MAX_LINE_BYTES_PER_S} bytes a second"
+        logging.getLogger("uvicorn.error").error("%s: more than %s: cut off", machine, rate)
+        self._far_end.abort()
+
+
 def configuration(app: WholeRequests, certificate: Certificate | None) -> uvicorn.Config:
     """Return how the pages are served."""
     return uvicorn.Config(
@@ -148,6 +171,7 @@ def configuration(app: WholeRequests, certificate: Certificate | None) -> uvicor
         access_log=False,
         lifespan="off",
         proxy_headers=False,  # whoever is here might say that he is somebody else
+        ws=type("Line", (MeasuredLine, cast("type", AutoWebSocketsProtocol)), {}),
         ws_max_size=LONGEST_FRAME,
         ws_ping_interval=10.0,  # a page that does not answer, asleep or gone, is let go
         ws_ping_timeout=20.0,
