@@ -1,7 +1,9 @@
 """The pages' server: who may come in, what is refused, what comes back by itself."""
 
 import contextlib
+import functools
 import http.client
+import operator
 import os
 import re
 import shutil
@@ -36,6 +38,7 @@ from trainer import __version__
 from trainer.cli.main import cli
 from trainer.config import extras
 from trainer.config.files import ConfigError
+from trainer.io.orders.sentences import read
 from trainer.session.page_server import SILENCE_TIMEOUT_S
 from trainer.web.address import Address, announce
 from trainer.web.bridge import (
@@ -423,6 +426,51 @@ def test_ten_thousand_frames_and_refusals_move_no_tick_and_fill_no_log(serve: Se
     assert "more of the same" in told
     assert "\x9b" not in told
     assert re.search(r"overruns 0, caught up 0, slipped 0, gaps 0", told)
+
+
+FORGED = {
+    "a fact of the session": lambda sum_of: sum_of("TRF,1,0.5,debrief,/etc/hostname"),
+    "an event of the session": lambda sum_of: sum_of("TRE,1,0.5,casualty,jam"),
+    "an answer of the session": lambda sum_of: sum_of("TRA,7,ok,the role is yours"),
+    "an order without its sum": lambda _: "$TRO,7,role helm",
+    "an order with a wrong sum": lambda _: "$TRO,7,role helm*00",
+    "an order for a role with another's word": lambda sum_of: sum_of("TRO,7,role planes wrong"),
+    "what the line of another browser has carried": lambda sum_of: sum_of("TRO,7,role planes"),
+    "two orders in one": lambda sum_of: sum_of("TRO,7,role helm") + sum_of("TRO,8,quit"),
+    "a tag without end": lambda sum_of: sum_of(f"TRO,{'9' * 60},role helm"),
+    "no tag": lambda sum_of: sum_of("TRO,,role helm"),
+    "a word in the tag": lambda sum_of: sum_of("TRO,role helm,role helm"),
+}
+
+
+def summed(body: str) -> str:
+    """Return a sentence with its sum."""
+    return f"${body}*{functools.reduce(operator.xor, body.encode()):02X}"
+
+
+@pytest.mark.parametrize("forged", FORGED)
+def test_a_forged_or_replayed_sentence_gives_no_role_no_word_and_no_debrief(
+    guarded: Served, forged: str
+) -> None:
+    cookies = f"word-helm={WORD}; word-instructor=wrong"
+    with dialled(guarded.port, cookies=cookies) as line:
+        for _ in range(3):
+            line.send(FORGED[forged](summed))
+        heard = []
+        with contextlib.suppress(TimeoutError, ConnectionClosed):
+            while True:
+                heard.append(str(line.recv(1.0)))
+    with dialled(guarded.port, cookies=f"word-helm={WORD}") as line:
+        assert ask(line, "role instructor")[0] == "no"
+        assert ask(line, "role helm")[0] == "ok"
+        assert ask(line, "quit")[0] == "no"
+
+    sentences = [sentence for sentence in map(read, heard) if sentence]
+    answers = [sentence.fields[0] for sentence in sentences if sentence.kind == "TRA"]
+    assert answers == ["no"] * 3
+    assert not any("debrief-page" in sentence.fields for sentence in sentences)
+    assert WORD not in "".join(heard)
+    assert WORD not in said(guarded)
 
 
 def test_markup_in_a_remark_is_carried_as_words(shared: Served) -> None:
