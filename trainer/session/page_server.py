@@ -1,4 +1,4 @@
-"""The server of the pages, a program beside the session, begun again when it dies or hangs."""
+"""The server of the pages: a program that is begun again when it dies or hangs."""
 
 import contextlib
 import os
@@ -30,7 +30,10 @@ EXAMPLE: Final = f"{paths.HOST}:{paths.PAGES}"
 
 
 class ServerProcess:
-    """A process that serves the pages; it gives signs of life, bytes on its standard output."""
+    """A process that serves the pages, and gives signs of life.
+
+    They are bytes on its standard output.
+    """
 
     def __init__(self, words: Sequence[str], inherited: tuple[int, ...]) -> None:
         """Begin it; OSError where the system has no room for it."""
@@ -69,7 +72,10 @@ class ServerProcess:
             self._process.terminate()
 
     def end(self, timeout_s: float) -> int:
-        """Return its exit code; it is ended by force if it does not end by itself so soon [s]."""
+        """Return its exit code, once it has ended or the time is over.
+
+        It is ended by force if it has not ended by itself within ``timeout_s`` [s].
+        """
         if not self._ended.wait(timeout_s):
             self._process.kill()
         if self._process.stdin:

@@ -1,4 +1,4 @@
-"""The connections of the pages' server: so many of each machine, and none that stays silent.
+"""The connections of the pages' server: so many of each machine, none that stays silent.
 
 A connection takes its place when it is accepted, before TLS and before its first byte, and holds
 it until its socket is closed. It has 10 s to send a whole request, and 10 s after each answer to
@@ -134,7 +134,7 @@ class Visit:
 
     @contextlib.contextmanager
     def answering(self) -> Iterator[None]:
-        """Answer a request inside the block, and not for ever; then wait for the next one."""
+        """Answer a request inside the block, not for ever; then wait for the next."""
         self._silent.pop(self, None)
         self.set_deadline(ANSWER_TIMEOUT_S)
         try:

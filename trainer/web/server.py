@@ -144,7 +144,10 @@ def words_of(cookies: dict[str, str]) -> dict[str, str]:
 
 
 class MeasuredLine(asyncio.Protocol):
-    """A line of a page, which has so many bytes a second: empty frames and pings count as well."""
+    """A line of a page, which has so many bytes a second.
+
+    Empty frames and pings count as well.
+    """
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Begin to count."""
