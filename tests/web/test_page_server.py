@@ -428,24 +428,24 @@ def test_ten_thousand_frames_and_refusals_move_no_tick_and_fill_no_log(serve: Se
     assert re.search(r"overruns 0, caught up 0, slipped 0, gaps 0", told)
 
 
-FORGED = {
-    "a fact of the session": lambda sum_of: sum_of("TRF,1,0.5,debrief,/etc/hostname"),
-    "an event of the session": lambda sum_of: sum_of("TRE,1,0.5,casualty,jam"),
-    "an answer of the session": lambda sum_of: sum_of("TRA,7,ok,the role is yours"),
-    "an order without its sum": lambda _: "$TRO,7,role helm",
-    "an order with a wrong sum": lambda _: "$TRO,7,role helm*00",
-    "an order for a role with another's word": lambda sum_of: sum_of("TRO,7,role planes wrong"),
-    "what the line of another browser has carried": lambda sum_of: sum_of("TRO,7,role planes"),
-    "two orders in one": lambda sum_of: sum_of("TRO,7,role helm") + sum_of("TRO,8,quit"),
-    "a tag without end": lambda sum_of: sum_of(f"TRO,{'9' * 60},role helm"),
-    "no tag": lambda sum_of: sum_of("TRO,,role helm"),
-    "a word in the tag": lambda sum_of: sum_of("TRO,role helm,role helm"),
-}
-
-
 def summed(body: str) -> str:
     """Return a sentence with its sum."""
     return f"${body}*{functools.reduce(operator.xor, body.encode()):02X}"
+
+
+FORGED = {
+    "a fact of the session": summed("TRF,1,0.5,debrief,/etc/hostname"),
+    "an event of the session": summed("TRE,1,0.5,casualty,jam"),
+    "an answer of the session": summed("TRA,7,ok,the role is yours"),
+    "an order without its sum": "$TRO,7,role helm",
+    "an order with a wrong sum": "$TRO,7,role helm*00",
+    "an order for a role with another's word": summed("TRO,7,role planes wrong"),
+    "what the line of another browser has carried": summed("TRO,7,role planes"),
+    "two orders in one": summed("TRO,7,role helm") + summed("TRO,8,quit"),
+    "a tag without end": summed(f"TRO,{'9' * 60},role helm"),
+    "no tag": summed("TRO,,role helm"),
+    "a word in the tag": summed("TRO,role helm,role helm"),
+}
 
 
 @pytest.mark.parametrize("forged", FORGED)
@@ -455,7 +455,7 @@ def test_a_forged_or_replayed_sentence_gives_no_role_no_word_and_no_debrief(
     cookies = f"word-helm={WORD}; word-instructor=wrong"
     with dialled(guarded.port, cookies=cookies) as line:
         for _ in range(3):
-            line.send(FORGED[forged](summed))
+            line.send(FORGED[forged])
         heard = []
         with contextlib.suppress(TimeoutError, ConnectionClosed):
             while True:

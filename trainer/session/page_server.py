@@ -1,4 +1,4 @@
-"""The server of the pages: a program that is begun again when it dies or hangs."""
+"""The pages' server: a program that is begun again when it dies or hangs."""
 
 import contextlib
 import os
