@@ -470,7 +470,7 @@ def test_a_forged_or_replayed_sentence_gives_no_role_no_word_and_no_debrief(
 
     sentences = [sentence for sentence in map(read, heard) if sentence]
     answers = [sentence.fields[0] for sentence in sentences if sentence.kind == "TRA"]
-    assert answers == ["no"] * 3
+    assert set(answers) == {"no"}  # the third wrong word may close the line before its answer
     assert not any("debrief-page" in sentence.fields for sentence in sentences)
     assert WORD not in "".join(heard)
     assert WORD not in said(guarded)
