@@ -26,6 +26,8 @@ GOING_BACK: Final = ("backtrack", "restore", "reset", "again", "restart", "branc
 MOMENTS: Final = frozenset({*GOING_BACK, "replay", "take"})
 TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 OPEN: Final = 100  # alerts at most that wait to be seen
+UNSAFE: Final = "should the power go, the last orders would be lost; they act and are recorded"
+SAFE: Final = "what was ordered is safe should the power go"
 
 
 class Counting(Protocol):
@@ -45,6 +47,7 @@ class EventLog:
     hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
     alerts: dict[int, News] = field(default_factory=dict)  # that nobody has seen yet
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
+    unsafe: bool = False  # it was told that the disk is behind
     _alert: int = 0  # the number of the last
     _counts: dict[int, list[dict[str, list[float]]]] = field(default_factory=dict)  # by branch
     _branch: int = field(init=False)  # as it was when last looked at
@@ -186,7 +189,8 @@ class EventLog:
         return f"{answer}{remark}{' (not recorded)' * bool(self.history.recording.trouble)}"
 
     def tell_trouble(self) -> None:
-        """Tell once that the recording is out of reach, and once that it is back."""
+        """Tell once that the recording is out of reach or behind, and once that it is not."""
+        self._tell_behind()
         recording = self.history.recording
         if recording.trouble == self.unrecorded:
             return
@@ -195,6 +199,15 @@ class EventLog:
         back = f"recorded again in branch {recording.branch}; {lost}"
         told = f"NOT RECORDED: {recording.trouble}" if recording.trouble else back
         self.tell("trouble", told)
+
+    def _tell_behind(self) -> None:
+        """Tell once that lost power would take what was ordered, and once that it would not."""
+        why = self.history.recording.behind
+        if bool(why) is self.unsafe:
+            return
+        self.unsafe = bool(why)
+        text = f"THE DISK IS BEHIND: {why}; {UNSAFE}" if why else f"the disk has caught up: {SAFE}"
+        self.tell("trouble", text)
 
     def log(self, kind: str, text: str) -> None:
         """Tell what the station that is listened to has to say of itself."""

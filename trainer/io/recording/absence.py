@@ -1,6 +1,6 @@
 """Recordings that are no file; with them a run needs no ``if``."""
 
-from collections.abc import Container, Iterator
+from collections.abc import Callable, Container, Iterator
 from dataclasses import replace
 
 from trainer.io.recording.queries import Branch, Journalled, Moment, Noted
@@ -13,11 +13,13 @@ class NoRecording:
     """
 
     kept: Container[str]  # first words of orders
+    wake: Callable[[], object]  # never called
 
     def __init__(self) -> None:
         self.kept = ()
-        self.trouble = self.missing = ""
+        self.trouble = self.missing = self.behind = ""
         self.reachable = False
+        self.wake = lambda: None
         self.absences = 0
         self.branch = 1
         self._order = 0

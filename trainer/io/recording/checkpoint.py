@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
+from trainer.io.recording.durability import Syncer
 from trainer.io.recording.file import TOUCH, connect
 
 WORTHWHILE: Final = 4_000_000  # [bytes] written ahead
@@ -26,7 +27,10 @@ BRING_HOME: Final = "PRAGMA wal_checkpoint(PASSIVE)"
 class Checkpointer:
     """A thread that moves what is written ahead into the database once it is worthwhile."""
 
+    disk: Syncer  # the thread that has it on the disk before that
+
     def __init__(self, path: Path) -> None:
+        self.disk = Syncer(path)
         self._path = path
         self._written_ahead = path.with_name(path.name + "-wal")
         self._file = _identity(path)
@@ -40,12 +44,14 @@ class Checkpointer:
         run = functools.partial(self._run, tend)
         self._thread = threading.Thread(target=run, name="checkpoints", daemon=True)
         self._thread.start()
+        self.disk.start()
 
     def close(self) -> None:
         """End the thread after its checkpoint; one whose disk hangs is left to itself."""
         self._closing.set()
         if self._thread.ident:
             self._thread.join(LONGEST)
+        self.disk.close()
 
     @property
     def gone(self) -> bool:
@@ -81,11 +87,13 @@ class Checkpointer:
 
     def _look(self, connection: sqlite3.Connection) -> None:
         with contextlib.suppress(OSError, sqlite3.Error):  # the next look may do better
-            if self._written_ahead.stat().st_size < WORTHWHILE:
+            refused = self.disk.failure
+            if self._written_ahead.stat().st_size < WORTHWHILE and not refused:
                 return
             with self._bringing:
                 _, written, brought_home = connection.execute(BRING_HOME).fetchone()
             if written == brought_home:
+                self.disk.forgive(refused)
                 # Whoever writes next begins the file anew and waits for the disk: be that one.
                 connection.execute(TOUCH)
 

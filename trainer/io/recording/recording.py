@@ -2,8 +2,9 @@
 
 It knows bytes, text and numbers; what they mean is its caller's affair. Orders, snapshots and
 forks are committed when the call returns; the rest is gathered, and a thread commits it within a
-second. A process that is killed loses nothing that is committed; one whose machine loses power may
-lose the last seconds, never the whole.
+second. A process that is killed loses nothing that is committed. One whose machine loses power
+loses no order, mark, snapshot or fork older than SAFE_WITHIN_S, and no tick older than
+FLOWN_WITHIN_S: a thread waits for the disk, never the caller. A disk that takes longer is `behind`.
 
 A recording may go out of reach: another program has it locked, its disk is full. Then what is
 recorded waits, up to ROOM bytes, and the thread tries again. What is beyond is lost and counted,
@@ -14,7 +15,7 @@ import contextlib
 import sqlite3
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
@@ -42,6 +43,9 @@ ROOM: Final = 64_000_000  # [bytes] that wait at most while it is out of reach
 ROW: Final = 200  # [bytes] of a row beside what is in it
 LOOK: Final = 0.002  # [s] between looks at a recording that another program has locked
 
+SAFE_WITHIN_S: Final = 1.0  # in which orders, marks and snapshots are safe from lost power
+FLOWN_WITHIN_S: Final = 10.0  # in which all else is: most can be flown again from the orders
+
 Row = tuple[int | str | bytes | None, ...]
 
 BRANCH: Final = (
@@ -63,6 +67,8 @@ SNAPSHOT: Final = (
     "VALUES (?, ?, ?, ?, ?, ?, ?)"
 )
 STATEMENTS: Final = (BRANCH, ORDER, ANSWER, STATE, TIMING, EVENT, SNAPSHOT)  # in this order
+PROMISED: Final = (BRANCH, ORDER, ANSWER, SNAPSHOT)  # and marks, which are events
+MARK: Final = "mark"  # the kind of such an event
 COUNTED: Final = {STATE: "ticks", ORDER: "orders", EVENT: "events", SNAPSHOT: "snapshots"}
 
 
@@ -73,6 +79,7 @@ class Recording:
     branch: int  # the present one
     reachable: bool  # it can be gone on with after a gap, in a branch from a moment on
     absences: int  # how often it was out of reach
+    wake: Callable[[], object]  # called by the thread where there is something to tell
 
     def __init__(
         self,
@@ -105,7 +112,9 @@ class Recording:
         self._gap = False  # more than there is room for has come: from then on it is only counted
         self._lost = dict.fromkeys(COUNTED, 0)  # in this gap
         self._missing = dict.fromkeys(COUNTED, 0)  # in all
+        self.wake = lambda: None
         self._tried = 0.0  # [s] when it was last tried to be reached
+        self._plight = ("", False, "")  # as the thread last saw it
         if checkpointer:
             checkpointer.start(self._tend)
 
@@ -212,6 +221,14 @@ class Recording:
         self._put(BRANCH, (self._branches, *begun, wall_time()))
         self.branch, self._tick = self._branches, moment.tick
         self.flush()
+
+    @property
+    def behind(self) -> str:
+        """Return why what was ordered is not yet safe from lost power, "" while it is in time."""
+        if not (self._checkpointer and self._checkpointer.disk.behind):
+            return ""
+        failure = self._checkpointer.disk.failure
+        return (failure.strerror or str(failure)) if failure else "it is slow"
 
     @property
     def missing(self) -> str:
@@ -361,6 +378,9 @@ class Recording:
                     self._connection.execute("ROLLBACK")
             raise
         with self._rows:
+            if self._checkpointer:
+                promised = self._has_promised(counts)
+                self._checkpointer.disk.expect(SAFE_WITHIN_S if promised else FLOWN_WITHIN_S)
             for statement, count in counts.items():
                 del self._waiting[statement][:count]
         self._kept = tick
@@ -368,6 +388,14 @@ class Recording:
             self._lose("is not there any more: removed, or its disk is; write to another")
         elif self._checkpointer:
             self._checkpointer.relieve(self._connection)
+
+    def _has_promised(self, counts: Mapping[str, int]) -> bool:
+        """Return whether something of what was written may not be lost with the power.
+
+        That the disk is behind is none of it: else a slow one would be told of without end.
+        """
+        marks = (row[2] == MARK for row in self._waiting[EVENT][: counts[EVENT]])
+        return any(counts[each] for each in PROMISED) or any(marks)
 
     def _tend(self) -> None:
         """Commit what waits, or try to reach the recording again; in the thread of its own."""
@@ -377,6 +405,9 @@ class Recording:
         # the disk may have kept this thread so long that the caller gave the recording up
         if self.trouble and not self.reachable and time.monotonic() > self._tried + AGAIN:
             self._reach()
+        if self._plight != (plight := (self.trouble, self.reachable, self.behind)):
+            self._plight = plight
+            self.wake()  # it may be frozen, and nothing else said
 
     def _reach(self) -> None:
         """Try to write again; after a gap only whether it could be."""

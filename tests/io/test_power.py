@@ -1,0 +1,398 @@
+"""What was ordered outlives lost power: the disk is asked for it, and nobody waits for that."""
+
+import contextlib
+import errno
+import json
+import os
+import random
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.crewed import Crewed
+
+from trainer.io.recording import durability
+from trainer.io.recording import recording as recording_module
+from trainer.io.recording.recording import Moment, Recording
+from trainer.session.event_log import SAFE, UNSAFE
+
+LAYER = Path(__file__).parents[1] / "helpers" / "synced_alone.c"
+COMPILER = shutil.which("cc") or shutil.which("gcc")
+CUTS = int(os.environ.get("TRAINER_CUTS", "8"))  # of the power
+SECTOR = 512  # [bytes] that a disk writes whole
+WAIT_S = 60.0  # for a condition, on a slow machine
+STATE = b"state ".ljust(1944, b".")
+
+# Orders, marks, snapshots and branches at random, each printed once it was answered: what the
+# recording then says of the disk stands beside it.
+FLOWN = """
+import json, random, sys, time
+from pathlib import Path
+from trainer.io.recording import checkpoint
+from trainer.io.recording.recording import Moment, Recording
+from trainer.session.event_log import SAFE, UNSAFE
+
+checkpoint.WORTHWHILE = 1_500_000  # [bytes]: the log is brought home now and then
+dice = random.Random(int(sys.argv[2]))
+recording = Recording.create(Path(sys.argv[1]), {"vessel": "x" * 50_000}, b"begun")
+tick = after = 0
+for number in range(10**6):
+    tick += 1
+    recording.state(tick, f"state {tick} ".encode().ljust(1944, b"."))
+    recording.timing(tick, 1, 2)
+    act = dice.choices(["fly", "order", "mark", "keep", "fork"], [60, 30, 5, 5, 1])[0]
+    name = f"{act} {number}"
+    if act == "order":
+        after = recording.order(tick, "helm", name)
+        recording.answered(after, name, True)
+    elif act == "mark":
+        recording.event(tick, "mark", "helm", name)
+        recording.flush()
+    elif act == "keep":
+        recording.snapshot(name, Moment(recording.branch, tick, b"kept", after, 0))
+    elif act == "fork":
+        recording.fork(Moment(recording.branch, tick, b"forked", after, 0), name)
+    assert not recording.trouble, recording.trouble
+    print(json.dumps([time.monotonic(), name, recording.behind]), flush=True)
+    time.sleep(0.01)
+"""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Something that was answered, and what was known of the disk at that time."""
+
+    at: float  # [s]
+    name: str
+    behind: str
+
+
+def begin(path: Path) -> Recording:
+    return Recording.create(path, {"vessel": "text"}, STATE)
+
+
+def within(seconds: float, holds: Callable[[], Any]) -> bool:
+    """Return whether something holds before so many seconds are over."""
+    end = time.monotonic() + seconds
+    while not holds() and time.monotonic() < end:
+        time.sleep(0.01)
+    return bool(holds())
+
+
+# The disk that has only what it was asked to keep
+
+
+class Machine:
+    """A process that records, whose power can be cut: what was not synced is then gone."""
+
+    def __init__(self, folder: Path, layer: Path, seed: int) -> None:
+        self.live, self.disk = folder / "live", folder / "disk"
+        self.live.mkdir()
+        self.disk.mkdir()
+        self.path = self.live / "watch.trainer"
+        self._printed = folder / "printed"
+        with self._printed.open("w") as printed:
+            self.process = subprocess.Popen(
+                [sys.executable, "-c", FLOWN, str(self.path), str(seed)],
+                stdout=printed,
+                env=os.environ
+                | {"LD_PRELOAD": str(layer), "SYNCED_OF": str(self.live)}
+                | {"SYNCED_TO": str(self.disk), "PYTHONPATH": os.pathsep.join(sys.path)},
+            )
+
+    def end(self) -> None:
+        """Kill it."""
+        self.process.send_signal(signal.SIGCONT)
+        self.process.kill()
+        self.process.wait()
+
+    def answers(self) -> list[Answer]:
+        """Return all that was answered so far."""
+        lines = self._printed.read_text().splitlines(keepends=True)
+        return [Answer(*json.loads(line)) for line in lines if line.endswith("\n")]
+
+    @contextlib.contextmanager
+    def stopped(self) -> Iterator[None]:
+        """Let it stand still: so it is when the power goes."""
+        assert self.process.poll() is None
+        self.process.send_signal(signal.SIGSTOP)
+        os.waitid(os.P_PID, self.process.pid, os.WSTOPPED)
+        yield
+        self.process.send_signal(signal.SIGCONT)
+
+    def synced(self) -> dict[str, bytes]:
+        """Return the files of the disk by their names, with what they hold."""
+        folder = self.disk / key_of(self.live)
+        names = (line.split(maxsplit=1) for line in folder.read_text().splitlines())
+        kept = {name: self.disk / key for key, name in names}
+        return {name: file.read_bytes() if file.exists() else b"" for name, file in kept.items()}
+
+    def cached(self) -> dict[str, bytes]:
+        """Return the files as programs see them while there is power."""
+        return {file.name: file.read_bytes() for file in self.live.iterdir() if file.is_file()}
+
+
+def key_of(path: Path) -> str:
+    """Return the name under which the layer keeps a file or folder."""
+    said = subprocess.run(
+        ["stat", "-c", "%i %W %w", path], capture_output=True, text=True, check=True
+    ).stdout.split()
+    return f"{said[0]}-{said[1]}.{int(said[3].partition('.')[2])}"
+
+
+@pytest.fixture(scope="module")
+def layer(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Compile the layer."""
+    if COMPILER is None or sys.platform != "linux":
+        pytest.skip("a C compiler, and Linux")
+    made = tmp_path_factory.mktemp("layer") / "synced_alone.so"
+    subprocess.run([COMPILER, "-shared", "-fPIC", "-O1", "-o", made, LAYER], check=True)
+    return made
+
+
+# What a disk may have of what was written since it was last asked
+
+
+def dropped(synced: bytes, _cached: bytes, _dice: random.Random) -> bytes:
+    """Return what was synced."""
+    return synced
+
+
+def cut(synced: bytes, cached: bytes, dice: random.Random) -> bytes:
+    """Return what was synced, and of what was appended since a part."""
+    if not cached.startswith(synced):  # the log was begun anew
+        return mixed(synced, cached, dice)
+    return cached[: dice.randint(len(synced), len(cached))]
+
+
+def mixed(synced: bytes, cached: bytes, dice: random.Random) -> bytes:
+    """Return what was synced with some of the sectors written since; some are noise."""
+    length = dice.choice((len(synced), len(cached)))
+    made = bytearray(length)
+    for at in range(0, length, SECTOR):
+        old, new = synced[at : at + SECTOR], cached[at : at + SECTOR]
+        some = dice.choice((old, new, dice.randbytes(SECTOR))) if old != new else old
+        made[at : at + SECTOR] = some.ljust(SECTOR, b"\0")[: min(SECTOR, length - at)]
+    return bytes(made)
+
+
+def unnoisy(synced: bytes, cached: bytes, dice: random.Random) -> bytes:
+    """Return what was synced with some of the sectors written since."""
+    length = max(len(synced), len(cached))
+    made = bytearray(synced.ljust(length, b"\0"))
+    for at in range(0, len(cached), SECTOR):
+        if dice.random() < 0.5:
+            made[at : at + SECTOR] = cached[at : at + SECTOR]
+    return bytes(made)
+
+
+SPOILT = {"dropped": dropped, "cut": cut, "garbled": mixed}
+
+
+def restore(
+    folder: Path, synced: dict[str, bytes], cached: dict[str, bytes], way: str, seed: int
+) -> Path:
+    """Make the folder as it is found once there is power again; return the recording."""
+    folder.mkdir()
+    dice = random.Random(seed)  # noqa: S311
+    for name, kept in synced.items():
+        spoil = (
+            dropped if way == "dropped" else unnoisy if name.endswith(".trainer") else SPOILT[way]
+        )
+        if not name.endswith("-shm"):  # made anew by who opens it first
+            (folder / name).write_bytes(spoil(kept, cached.get(name, b""), dice))
+    return folder / "watch.trainer"
+
+
+def check_kept(path: Path, answers: list[Answer]) -> None:
+    """Check that a restored recording is whole, and lacks nothing that is older than a second."""
+    known = names_in(path)
+    every = [each.name for each in answers if not each.name.startswith("fly")]
+    now = answers[-1]
+    due = {each.name for each in answers if each.at < now.at - recording_module.SAFE_WITHIN_S}
+    lacking = [name for name in every if name in due and name not in known]
+    assert not lacking or now.behind, (lacking, len(every))
+
+
+def names_in(path: Path) -> set[str]:
+    """Return what a recording has of what was answered; what is there follows without a gap."""
+    with contextlib.closing(Recording.reopen(path)) as again:
+        branches = again.branches()
+        orders = [each for branch in branches for each in again.orders(branch.id, branch.after)]
+        marks = [each.text for each in again.events()]
+        kept = [name for name, _ in again.snapshots()]
+        list(again.flown(again.branch))
+        again.latest()
+    numbers = [each.id for each in orders]
+    assert sorted(set(numbers)) == list(range(1, max(numbers, default=0) + 1))
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        assert connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+    return {*(each.text for each in orders), *marks, *kept, *(each.why for each in branches)}
+
+
+def cut_often(folder: Path, layer: Path, cuts: int, seed: int) -> None:
+    """Cut the power of a machine at random moments, and look at what its disk has."""
+    dice = random.Random(seed)  # noqa: S311
+    machine = Machine(folder, layer, seed)
+    try:
+        assert within(WAIT_S, lambda: len(machine.answers()) > 1)
+        for number in range(cuts):
+            time.sleep(dice.uniform(0.2, 0.7) if number else 1.5)
+            with machine.stopped():
+                answers, synced, cached = machine.answers(), machine.synced(), machine.cached()
+            for way in SPOILT:
+                found = restore(folder / f"{number}-{way}", synced, cached, way, number)
+                check_kept(found, answers)
+                shutil.rmtree(found.parent)
+    finally:
+        machine.end()
+
+
+def test_lost_power_takes_nothing_that_is_older_than_a_second(tmp_path: Path, layer: Path) -> None:
+    cut_often(tmp_path, layer, CUTS, seed=1)
+
+
+def test_a_recording_that_is_begun_is_on_the_disk_with_its_header(
+    tmp_path: Path, layer: Path
+) -> None:
+    machine = Machine(tmp_path, layer, seed=3)
+    try:
+        assert within(WAIT_S, lambda: machine.path.exists() and machine.answers())
+        with machine.stopped():
+            found = restore(tmp_path / "again", machine.synced(), machine.cached(), "dropped", 0)
+    finally:
+        machine.end()
+    with contextlib.closing(Recording.look(found)) as recording:
+        assert recording.header()["vessel"] == "x" * 50_000
+
+
+@pytest.mark.slow
+def test_power_lost_many_times_takes_nothing_that_is_older_than_a_second(
+    tmp_path: Path, layer: Path
+) -> None:
+    cut_often(tmp_path, layer, int(os.environ.get("TRAINER_CUTS", "200")), seed=2)
+
+
+# A disk that is slow, and one that refuses
+
+
+class Disk:
+    """What the thread that syncs meets: a disk that answers once it is let."""
+
+    def __init__(self) -> None:
+        self.free = threading.Event()
+        self.free.set()
+        self.refusal: OSError | None = None
+        self.asked = 0
+
+    def fsync(self, _descriptor: int) -> None:
+        self.asked += 1
+        assert self.free.wait(WAIT_S)
+        if self.refusal:
+            raise self.refusal
+
+
+@pytest.fixture
+def disk(monkeypatch: pytest.MonkeyPatch) -> Disk:
+    disk = Disk()
+    monkeypatch.setattr(os, "fsync", disk.fsync)
+    monkeypatch.setattr(durability, "QUIET_S", 1.0)
+    return disk
+
+
+def test_a_disk_that_does_not_answer_holds_no_order_up_and_is_behind(
+    tmp_path: Path, disk: Disk
+) -> None:
+    with contextlib.closing(begin(tmp_path / "watch.trainer")) as recording:
+        assert not recording.behind
+        disk.free.clear()
+        for tick in range(1, 20):
+            recording.state(tick, STATE)
+            recording.order(tick, "helm", f"order {tick}")
+        assert within(WAIT_S, lambda: recording.behind)
+        assert recording.behind == "it is slow"
+        recording.order(20, "helm", "as ever")  # though the disk is still at it
+        assert not recording.trouble
+        disk.free.set()
+        assert within(WAIT_S, lambda: not recording.behind)
+
+
+@pytest.mark.parametrize("kind", ["order", "mark", "snapshot", "branch"])
+def test_the_disk_is_asked_for_what_was_answered_and_not_at_once_for_ticks(
+    tmp_path: Path, disk: Disk, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    monkeypatch.setattr(recording_module, "FLOWN_WITHIN_S", 1e6)
+    with contextlib.closing(begin(tmp_path / "watch.trainer")) as recording:
+        assert within(WAIT_S, lambda: disk.asked)
+        asked = disk.asked
+        recording.state(1, STATE)
+        recording.event(1, "trouble", "", "something was late")
+        recording.flush()
+        time.sleep(10 * durability.SYNC_PERIOD_S)
+        assert disk.asked == asked
+        promise = {
+            "order": lambda: recording.order(1, "helm", "dive"),
+            "mark": lambda: (recording.event(1, "mark", "helm", "here"), recording.flush()),
+            "snapshot": lambda: recording.snapshot("here", Moment(1, 1, STATE, 0, 0)),
+            "branch": lambda: recording.fork(Moment(1, 1, STATE, 0, 0), "backtrack"),
+        }
+        promise[kind]()
+        assert within(WAIT_S, lambda: disk.asked > asked)
+
+
+def test_what_a_disk_refused_is_safe_only_once_it_was_brought_home(
+    tmp_path: Path, disk: Disk
+) -> None:
+    path = tmp_path / "watch.trainer"
+    refused = os.strerror(errno.EIO)
+    with contextlib.closing(begin(path)) as recording:
+        other = sqlite3.connect(path, isolation_level=None)
+        other.execute("BEGIN")
+        other.execute("SELECT count(*) FROM orders").fetchall()  # who looks back keeps it away
+        disk.refusal = OSError(errno.EIO, refused)
+        recording.order(1, "helm", "dive")
+        assert within(WAIT_S, lambda: recording.behind == refused)
+        disk.refusal, asked = None, disk.asked
+        recording.order(2, "helm", "dive again")
+        assert within(WAIT_S, lambda: disk.asked > asked)
+        time.sleep(2 * durability.QUIET_S)
+        assert recording.behind == refused  # what is granted now proves nothing
+        other.close()
+        assert within(WAIT_S, lambda: not recording.behind)
+
+
+def test_a_disk_that_is_behind_is_told_once_and_its_end_too_though_time_is_frozen(
+    tmp_path: Path, disk: Disk
+) -> None:
+    ship = Crewed(tmp_path / "watch.trainer")
+
+    def news() -> list[str]:
+        """Return what was told of trouble; the session listens if it is woken, as its loop does."""
+        if ship.wake.wait(0.01):
+            ship.wake.clear()
+            ship.session.listen()
+        return ship.events(ship.instructor, "trouble")
+
+    with contextlib.closing(ship.recording):
+        ship.say(ship.instructor, "subscribe events")
+        assert within(WAIT_S, lambda: disk.asked)
+        disk.free.clear()
+        ship.order("depth 70")
+        assert within(WAIT_S, news)
+        ship.order("depth 71")
+        disk.free.set()
+        assert within(WAIT_S, lambda: len(news()) > 1)
+        time.sleep(2 * durability.QUIET_S)  # there is no more of it
+        assert news() == [
+            f"THE DISK IS BEHIND: it is slow; {UNSAFE}",
+            f"the disk has caught up: {SAFE}",
+        ]

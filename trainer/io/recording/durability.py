@@ -1,0 +1,104 @@
+"""A thread of its own brings what is committed onto the disk, so that lost power takes it no more.
+
+SQLite's commit hands its pages to the operating system: they outlive the program, not the machine.
+The system is asked to put them on the disk (fsync) where nobody waits for it, soon after something
+that was promised. A disk may take as long as it likes: it is told that it is behind.
+"""
+
+import math
+import os
+import threading
+import time
+from pathlib import Path
+from typing import Final
+
+SYNC_PERIOD_S: Final = 0.2  # between looks at what is due
+QUIET_S: Final = 30.0  # without a sync that was late, before the disk keeps up again
+CLOSE_TIMEOUT_S: Final = 5.0  # for a disk that is at it when the recording ends
+
+NEVER: Final = math.inf  # [s] when nothing is due
+
+
+class Syncer:
+    """A thread that has the pages of a write-ahead log on the disk when they are due there.
+
+    It opens that file itself, which carries no locks of SQLite's (the database does: to close it
+    would give them up), and keeps it open: it needs no descriptor when there are none left.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Take the path of the database; `start` begins the thread."""
+        self._written_ahead = path.with_name(path.name + "-wal")
+        self._lock = threading.Lock()  # held for a moment where what is due changes
+        self._begin = NEVER  # [s] of the clock, when the disk is to be asked
+        self._due = NEVER  # [s] when the oldest commit is due that was not yet asked for
+        self._asked = NEVER  # [s] when that is due which the disk is asked for now
+        self._quiet = -NEVER  # [s] from when on nothing late counts any more
+        self._descriptor = -1
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="disk", daemon=True)
+        self.failure: OSError | None = None  # with which it was refused, until all is home
+
+    def start(self) -> None:
+        """Begin the thread."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the thread; one whose disk hangs is left to itself."""
+        self._closing.set()
+        if self._thread.ident:
+            self._thread.join(CLOSE_TIMEOUT_S)
+
+    @property
+    def behind(self) -> bool:
+        """Return whether something is not on the disk that was due there, or was late of late."""
+        now = time.monotonic()
+        return self.failure is not None or now < self._quiet or now > min(self._due, self._asked)
+
+    def expect(self, seconds: float) -> None:
+        """Take note of a commit that has to be on the disk within so many seconds.
+
+        The disk is asked after half of them: what else comes until then goes with it.
+        """
+        now = time.monotonic()
+        with self._lock:
+            self._begin = min(self._begin, now + seconds / 2.0)
+            self._due = min(self._due, now + seconds)
+
+    def forgive(self, failure: OSError | None) -> None:
+        """Take note that what was refused is on the disk: it was brought home."""
+        if self.failure is failure:  # else there was another one meanwhile
+            self.failure = None
+
+    def _run(self) -> None:
+        self._sync()  # the first of all, and the file is open
+        while not self._closing.wait(SYNC_PERIOD_S):
+            if time.monotonic() > self._begin:
+                self._sync()
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+
+    def _sync(self) -> None:
+        """Ask the disk for all that is committed, and wait for it.
+
+        What it has refused once it may have dropped, and yet grant the next time: then only a
+        checkpoint tells, which writes it all again.
+        """
+        with self._lock:
+            self._asked, self._begin, self._due = self._due, NEVER, NEVER
+        try:
+            if self._descriptor < 0:
+                self._descriptor = _open(self._written_ahead)
+            os.fsync(self._descriptor)
+        except FileNotFoundError:  # a recording that somebody has made one without a log
+            pass
+        except OSError as error:
+            self.failure = error
+        if (now := time.monotonic()) > self._asked:
+            self._quiet = now + QUIET_S
+        self._asked = NEVER
+
+
+def _open(path: Path) -> int:
+    """Return a descriptor by which a file can be brought onto the disk."""
+    return os.open(path, os.O_RDWR | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0))
