@@ -194,7 +194,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
             "branches": flown,
             "orders": orders_of(recording),
             "events": [
-                (e.branch, e.tick, plain(e.kind), plain(e.text)) for e in recording.events()
+                (e.branch, e.tick, plain(e.kind), plain(e.text)) for e in recording.first_events()
             ],
             "exercise": exercise_of(plan),
         }

@@ -1,7 +1,7 @@
 """A recording for other programs: tables, arrays and frames, Rerun's viewer, columns drawn."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -16,6 +16,7 @@ from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
 from trainer.io.recording import recording as recording_file
+from trainer.io.recording.queries import Excess
 from trainer.io.tables import (
     Cell,
     Layout,
@@ -47,7 +48,14 @@ def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | Non
     with reading(path) as recording:
         for form, out in chosen.items():
             written += WRITERS[form](recording, out, branch)
+        tell_excess(path, recording.excess())
     click.echo("\n".join(map(str, written)))
+
+
+def tell_excess(path: Path, excess: Iterable[Excess]) -> None:
+    """Print of what a recording has more than is read of it."""
+    for each in excess:
+        click.echo(f"trainer: {path}: {each}", err=True)
 
 
 def is_csv(path: Path) -> bool:
@@ -204,7 +212,7 @@ def read_recording(path: str | Path, branch: int | None = None) -> Recording:
             trainees=trainees_of(recording.header()),
             columns=_arrays(states_table(recording, layout, chosen)),
             orders=_dicts(orders_table(recording, layout, chosen)),
-            events=_dicts(events_table(recording, layout)),
+            events=_dicts(events_table(recording.events(), layout)),
         )
 
 

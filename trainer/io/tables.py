@@ -8,14 +8,14 @@ The state of each tick as a row of a CSV file: SI and radians, every digit that 
 """
 
 import csv
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final, Protocol
 
 from trainer.io.atomic_write import replacing
-from trainer.io.recording.recording import Recording, RecordingError
+from trainer.io.recording.recording import Noted, Recording, RecordingError
 
 ROWS: Final = 5000  # of a Parquet file written at once
 
@@ -98,11 +98,11 @@ def orders_table(recording: Recording, layout: Layout, branch: int) -> Table:
     return Table({"id": int, **PLACED, **ORDERS}, rows)
 
 
-def events_table(recording: Recording, layout: Layout) -> Table:
-    """Return one row for each event of any branch. `wall` is the time of day, UTC."""
+def events_table(events: Iterable[Noted], layout: Layout) -> Table:
+    """Return one row for each event. `wall` is the time of day, UTC."""
     rows = (
         (each.branch, each.tick, each.tick * layout.step, each.wall, each.kind, each.who, each.text)
-        for each in recording.events()
+        for each in events
     )
     return Table({**PLACED, **EVENTS}, rows)
 
@@ -118,7 +118,7 @@ def _export(
     tables = {path: states_table(recording, layout, chosen)}
     if path.is_file() or not path.exists():  # a pipe has nothing beside it
         tables[_beside(path, "orders")] = orders_table(recording, layout, chosen)
-        tables[_beside(path, "events")] = events_table(recording, layout)
+        tables[_beside(path, "events")] = events_table(recording.first_events(), layout)
     for name, table in tables.items():
         try:
             with replacing(name) as made:

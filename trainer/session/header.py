@@ -75,9 +75,17 @@ NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
 @contextmanager
-def reading(path: Path) -> Iterator[Recording]:
-    """Yield a recording to be read inside the block; ConfigError where it cannot be."""
+def looking(path: Path) -> Iterator[Recording]:
+    """Yield a recording to be looked at inside the block; ConfigError where it cannot be."""
     with refusing_damage(), closing(Recording.look(path)) as recording:
+        yield recording
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[Recording]:
+    """Yield a recording whose branches are few enough to be read as a whole; ConfigError."""
+    with looking(path) as recording:
+        recording.refuse_branches()
         yield recording
 
 

@@ -11,7 +11,7 @@ The latest moments of a branch, in memory that is taken once and for all at the 
 import math
 import struct
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -108,17 +108,45 @@ def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
 
 
 WorldOrders = tuple[tuple[int, Order], ...]  # orders to the world, each with its tick
+NumberedOrder = tuple[int, int, Order]  # one of the journal: its number and its tick
 
 
 def world_orders(recording: Recording | NoRecording, branch: int, after: int) -> WorldOrders:
     """Return the orders to the world that a branch has up to ``after``."""
+    return _without_numbers(_to_world(recording.orders(branch)), after)
+
+
+def worlds_begun(recording: Recording) -> dict[int, WorldOrders]:
+    """Return the orders to the world that stand where each branch begins.
+
+    It goes once through all branches, because each of a long chain rests on all before it.
+    """
+    begun: dict[int, WorldOrders] = {}
+    flown: dict[int | None, tuple[NumberedOrder, ...]] = {None: ()}  # to the end of each branch
+    for branch in recording.branches():
+        if branch.parent not in flown:
+            raise RecordingError(
+                f"branch {branch.id} begins in branch {branch.parent}: there is none"
+            )
+        past = tuple(each for each in flown[branch.parent] if each[0] <= branch.after)
+        begun[branch.id] = _without_numbers(past, branch.after)
+        flown[branch.id] = past + _to_world(recording.orders(branch.id, branch.after))
+    return begun
+
+
+def _to_world(entries: Iterable[Journalled]) -> tuple[NumberedOrder, ...]:
+    """Return those of some orders that were to the world and obeyed."""
     return tuple(
-        (entry.tick, order)
-        for entry in recording.orders(branch)
-        if entry.id <= after and entry.accepted is not False
-        if entry.text.partition(" ")[0] in PARTS  # most are not
+        (entry.id, entry.tick, order)
+        for entry in entries
+        if entry.accepted is not False and entry.text.partition(" ")[0] in PARTS  # most are not
         if isinstance(order := parse(entry.text), Order)
     )
+
+
+def _without_numbers(orders: Iterable[NumberedOrder], after: int) -> WorldOrders:
+    """Return the orders up to number ``after``, each with its tick alone."""
+    return tuple((tick, order) for number, tick, order in orders if number <= after)
 
 
 def settle_world(boat: Boat, recording: Recording | NoRecording, branch: int, after: int) -> None:

@@ -33,7 +33,7 @@ from trainer.session.header import (
     reading,
     refusing_damage,
 )
-from trainer.session.history import History, order_of, settle_world
+from trainer.session.history import History, WorldOrders, order_of, settle_world, worlds_begun
 from trainer.session.layout import Unlike, read_state, unlike
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
@@ -80,6 +80,7 @@ class Course:
     layout: tuple[str, ...]  # of the recorded states
     pace: float  # [-] ticks flown for one recorded
     afresh: bool  # from the plan's start, not from the states recorded
+    worlds: Mapping[int, WorldOrders]  # the orders to it where each branch begins
 
 
 def replay_anyway(recording: Recording, otherwise: Mapping[str, Any] = NOTHING) -> list[Flight]:
@@ -93,7 +94,7 @@ def replay_anyway(recording: Recording, otherwise: Mapping[str, Any] = NOTHING) 
     plan = plan_of(header, otherwise)
     boat = Boat(plan.file, plan.method)
     pace = method_of(header).step / plan.method.step
-    course = Course(plan, boat, layout_of(header), pace, bool(otherwise))
+    course = Course(plan, boat, layout_of(header), pace, bool(otherwise), worlds_begun(recording))
     with np.errstate(all="ignore"):
         return [fly_branch(recording, branch, course) for branch in recording.branches()]
 
@@ -117,7 +118,7 @@ def _fly(recording: Recording, flight: Flight, course: Course) -> None:
     flown, after = 0, 0
     if not course.afresh:
         boat.restore(recorded_state(branch.state, course))
-        settle_world(boat, recording, branch.id, branch.after)
+        boat.world.settle(course.worlds[branch.id])
         flown, after = branch.tick, branch.after
     orders = deque(recording.orders(branch.id, after))
     for tick, state in recording.states(branch.id):

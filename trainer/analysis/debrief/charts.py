@@ -33,9 +33,11 @@ from trainer.analysis.report.svg import (
 from trainer.config.score_rules import COURSE
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
+from trainer.io.recording.recording import Noted
 from trainer.units import KNOT
 
 ACTUAL, ORDERED, SECOND = "actual", "ordered", "second"
+MAX_MARKS_DRAWN: Final = 200  # marks or calls in a chart
 LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
 BESIDE, FROM_HERE = "beside", "from-here"
 WRONG, TAKEN = "wrong", "taken"  # moments of the page
@@ -93,7 +95,7 @@ def ground_of(debrief: DebriefData) -> Ground:
         )
         for each in debrief.casualties
     )
-    marks = tuple(each.tick * step for each in debrief.of_kind("mark"))
+    marks = tuple(each.tick * step for each in _drawn(debrief, "mark"))
     return Ground(seconds, spans, marks, tuple(_moments(debrief)))
 
 
@@ -344,13 +346,18 @@ def _shown(debrief: DebriefData, ground: Ground) -> str:
 
 
 def _calls(debrief: DebriefData, ground: Ground) -> str:
-    ticks = [ground.across.at(each.tick * debrief.step) for each in debrief.of_kind("watch")]
+    ticks = [ground.across.at(each.tick * debrief.step) for each in _drawn(debrief, "watch")]
     drawn = "".join(text("call middle", x, 14.0, "x") for x in ticks)
     return drawn and drawn + _heading("called")
 
 
+def _drawn(debrief: DebriefData, kind: str) -> tuple[Noted, ...]:
+    """Return the events of a kind that there is room for in a chart."""
+    return debrief.of_kind(kind)[:MAX_MARKS_DRAWN]
+
+
 def _marks(debrief: DebriefData, ground: Ground) -> str:
-    places = [ground.across.at(each.tick * debrief.step) for each in debrief.of_kind("mark")]
+    places = [ground.across.at(each.tick * debrief.step) for each in _drawn(debrief, "mark")]
     return _labels(places, "M") and _labels(places, "M") + _heading("mark")
 
 

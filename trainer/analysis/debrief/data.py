@@ -36,6 +36,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.world.world import world_of
 from trainer.config.files import ConfigError
 from trainer.core.cache import same_core
+from trainer.io.recording.queries import Excess
 from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
 from trainer.session.header import layout_of, plan_of, trainees_of
 from trainer.session.history import settle_world, world_orders
@@ -105,6 +106,7 @@ class DebriefData:
     changes: tuple[Change, ...] = ()  # of the instructor's
     changed: Scorecard | None = None  # the marks after them
     compared: Compared | None = None
+    excess: tuple[Excess, ...] = ()  # of what the recording has more than was read
 
     @property
     def title(self) -> str:
@@ -186,6 +188,7 @@ def gather(
         read_backs=read_backs(trajectory),
         changes=changes,
         changed=changed_card(trajectory, plan, nobody, width, changes) if changes else None,
+        excess=recording.excess(),
     )
 
 
@@ -304,14 +307,11 @@ def hands(trajectory: Trajectory) -> tuple[Hand, ...]:
 def events_of(recording: Recording, branches: list[Branch], branch: Branch) -> Iterator[Noted]:
     """Yield the events of a branch and of its past, up to each next beginning."""
     ends: dict[int, int | None] = {}
-    here: Branch | None = branch
     end: int | None = None
-    while here is not None:
+    for here in _ancestry(branches, branch):
         ends[here.id] = end
         end = here.tick
-        parent = here.parent
-        here = next((each for each in branches if each.id == parent), None)
-    for event in recording.events():
+    for event in recording.first_events():
         if event.branch not in ends or event.kind in ECHOES:
             continue
         last = ends[event.branch]
@@ -376,6 +376,7 @@ def figures(debrief: DebriefData) -> dict[str, Any]:
             for each in debrief.of_kind("mark")
         ],
         "ticks": asdict(debrief.ticks),
+        "left_out": [asdict(each) for each in debrief.excess],
     }
 
 

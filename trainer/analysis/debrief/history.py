@@ -28,12 +28,14 @@ from trainer.io.atomic_write import write_whole
 from trainer.io.lines import plain
 from trainer.io.paths import SUFFIX, recordings_folder
 from trainer.io.recording.file import RecordingError, erase
-from trainer.session.header import TRAINEES, reading, trainees_of
+from trainer.io.recording.queries import Excess
+from trainer.session.header import TRAINEES, looking, reading, trainees_of
 
 MARKS: Final = ".marks.json"  # ends the name of the file
 SCHEMA: Final = "marks/1"
 LAST: Final = 3  # attempts whose mean is told
 NARROWEST: Final = 60  # [columns] that a line of the list needs
+MAX_QUICK_BYTES: Final = 40_000_000  # of a recording that is judged in its turn in the list
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,7 @@ class Listed:
     trainees: tuple[str, ...]
     came: Came | None
     trouble: str = ""  # why it cannot be read
+    excess: tuple[Excess, ...] = ()  # of what it has more than is read
 
 
 @dataclass(frozen=True)
@@ -110,15 +113,20 @@ def latest() -> Path:
 def listed(path: Path) -> Listed:
     """Return a recording as it is listed; one that cannot be read says why."""
     try:
-        with reading(path) as recording:
-            header = recording.header()
+        with looking(path) as recording:
+            header, excess = recording.header(), recording.excess()
     except ConfigError as wrong:
         return Listed(path, "", (), None, str(wrong))
     started, names = header.get("started", ""), trainees_of(header)
     try:
-        return Listed(path, started, names, kept(path) or computed(path))
+        return Listed(path, started, names, kept(path) or computed(path), "", excess)
     except ConfigError as wrong:
-        return Listed(path, started, names, None, str(wrong))
+        return Listed(path, started, names, None, str(wrong), excess)
+
+
+def is_quick(path: Path) -> bool:
+    """Return whether a recording is listed at once: it was judged, or is of no great size."""
+    return path.stat().st_size <= MAX_QUICK_BYTES or kept(path) is not None
 
 
 def kept(path: Path) -> Came | None:
@@ -238,7 +246,7 @@ def forget(name: str, recordings: Iterable[Path]) -> Iterator[str]:
     done, left = 0, []
     for path in recordings:
         try:
-            with reading(path) as recording:
+            with looking(path) as recording:
                 trainees = trainees_of(recording.header())
         except ConfigError:  # it is no recording, or damaged: it is not ours to change
             continue
@@ -308,8 +316,8 @@ def found_in(places: Sequence[Path]) -> list[Path]:
 
 
 def print_list(places: Sequence[Path], *, as_json: bool) -> None:
-    """Print the recordings, each as soon as it is known."""
-    found = found_in(places)
+    """Print the recordings, each as soon as it is known; what takes long comes last."""
+    found = sorted(found_in(places), key=is_quick, reverse=True)
     if as_json:
         click.echo(json.dumps(as_figures(map(listed, found)), indent=1))
         return
@@ -358,6 +366,7 @@ def _row(each: Listed, came: Came, width: int | None) -> str:
     """Return the line of a recording that can be read, in ``width`` columns if there is one."""
     star = "*" if came.changed else ""
     free = "" if came.counts else " (practice or free)"
+    free += "".join(f" ({one})" for one in each.excess)
     exercise, who = came.exercise or "-", ", ".join(each.trainees) or "-"
     result = f"{came.outcome or '-':11}  {_mark(came.total):>4}{star:1}"
     day = f"{_day(each.started):16}"
@@ -411,6 +420,7 @@ def as_figures(found: Iterable[Listed]) -> list[dict[str, Any]]:
             "started": each.started,
             "trainees": list(each.trainees),
             "trouble": each.trouble,
+            "left_out": [asdict(one) for one in each.excess],
             **(asdict(each.came) if each.came else {}),
         }
         for each in found

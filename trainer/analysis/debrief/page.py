@@ -137,6 +137,8 @@ def debrief_file(
     with np.errstate(all="ignore"):  # a state may hold any number
         debrief = read_compared(path, asked)
         text = render(debrief, asked.boat) if html or pdf else ""
+    for each in debrief.excess:
+        click.echo(f"trainer: {path}: {each}", err=True)
     written = []
     if html is not None:
         _write(html, text)

@@ -18,7 +18,8 @@ from trainer.core.cache import same_core
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Journalled
 
-MOST: Final = 1000  # lines of the log
+MOST: Final = 1000  # lines of the log, of marks, of branches
+JSON_HAS_ALL: Final = "trainer debrief --json has all"
 JOINED_WITHIN_S: Final = 1.0  # [s] from one press of a key to the next
 PLACED: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place
 TOLD: Final = 4  # digits of a value that count
@@ -346,11 +347,12 @@ def _clocks(debrief: DebriefData, ticks: tuple[int, ...]) -> str:
 
 def marks(debrief: DebriefData) -> Markup:
     """Return the table of the marks with their remarks."""
+    every = debrief.of_kind("mark")
     rows = (
         (f"M{i}", place(debrief, each.tick), (each.text), (each.who))
-        for i, each in enumerate(debrief.of_kind("mark"), start=1)
+        for i, each in enumerate(every[:MOST], start=1)
     )
-    return table(("", "moment", "remark", "by"), rows, "")
+    return table(("", "moment", "remark", "by"), rows, "") + _more(len(every), JSON_HAS_ALL)
 
 
 def hands(debrief: DebriefData) -> Markup:
@@ -370,11 +372,9 @@ def log(debrief: DebriefData) -> Markup:
     """Return the table of orders and events, in the order in which they were."""
     entries = sorted(_entries(debrief), key=lambda entry: entry[0])
     rows = ((place(debrief, tick), *cells) for tick, *cells in entries[:MOST])
-    more = len(entries) - MOST
     shown = table(("moment", "who", "what", "answer"), rows, "log")
-    if more <= 0:
-        return shown
-    return shown + paragraph(f"{more} more are in the record: trainer export has all.")
+    left_out = Markup().join(paragraph(f"{each}.".capitalize()) for each in debrief.excess)
+    return shown + _more(len(entries), "trainer export has all") + left_out
 
 
 def _entries(debrief: DebriefData) -> Iterator[tuple[int, str, str, str]]:
@@ -426,12 +426,20 @@ def _joined(presses: list[Journalled]) -> str:
 def branches(debrief: DebriefData) -> Markup:
     """Return the table of the branches."""
     rows = []
-    for branch, last in debrief.branches:
+    for branch, last in debrief.branches[:MOST]:
         begun = "the start" if branch.parent is None else f"branch {branch.parent}"
         here = Markup(" <b>debriefed here</b>") if branch.id == debrief.branch.id else ""
         moments = place(debrief, branch.tick), place(debrief, last)
         rows.append((Markup("{}{}").format(branch.id, here), begun, *moments, (branch.why)))
-    return table(("branch", "from", "at", "to", "why"), rows, "")
+    shown = table(("branch", "from", "at", "to", "why"), rows, "")
+    return shown + _more(len(debrief.branches), JSON_HAS_ALL)
+
+
+def _more(count: int, elsewhere: str) -> Markup:
+    """Return how many of so many are not shown, and what has them; nothing if all are."""
+    if count <= MOST:
+        return Markup()
+    return paragraph(f"{count - MOST} more are in the record: {elsewhere}.")
 
 
 def ledger(debrief: DebriefData) -> Markup:

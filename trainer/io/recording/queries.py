@@ -9,6 +9,7 @@ orders of its own tick.
 import sqlite3
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, Final, NamedTuple
 
 from trainer.io.recording.file import RecordingError, understanding
@@ -17,6 +18,9 @@ ENDLESS: Final = 2**62  # beyond any tick or order
 LEEWAY: Final = 1000  # [ticks] that an order may be beyond the last state of its branch
 LARGEST: Final = 100_000_000  # [bytes] of an answer that is held as a whole
 ROW: Final = 300  # [bytes] of a row beside its texts
+MAX_BRANCHES_READ: Final = 5_000  # of a file: four days of one after the other make 1,100
+MAX_EVENTS_READ: Final = 50_000  # of a file that somebody debriefs or exports
+MAX_ROWS_COUNTED: Final = 2_000_000  # where more are left out than that, it is told as so many
 
 
 class Kind(NamedTuple):
@@ -103,6 +107,19 @@ class Noted:
     who: str
     text: str
     wall: str  # time of day, UTC
+
+
+@dataclass(frozen=True)
+class Excess:
+    """Rows of a kind that are more than are read of a file: the first are."""
+
+    what: str
+    of: int  # those that there are, MAX_ROWS_COUNTED of even more
+    first: int  # those that are read
+
+    def __str__(self) -> str:
+        of = f"{self.of} or more" if self.of == MAX_ROWS_COUNTED else f"{self.of}"
+        return f"of {of} {self.what} the first {self.first} are read"
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,6 +259,36 @@ class Past:
         """Yield what was noted, in order."""
         for row in self._rows("SELECT branch, tick, kind, who, text, wall FROM events ORDER BY id"):
             yield Noted(*row)
+
+    def first_events(self) -> Iterator[Noted]:
+        """Yield what was noted, in order, as far as a file is read: `excess` has what is not."""
+        return islice(self.events(), MAX_EVENTS_READ)
+
+    def excess(self) -> tuple[Excess, ...]:
+        """Return of what there is more than is read of a file."""
+        limits = {"branches": MAX_BRANCHES_READ, "events": MAX_EVENTS_READ}
+        return tuple(
+            Excess(table, count, most)
+            for table, most in limits.items()
+            if (count := self._count(table)) > most
+        )
+
+    def refuse_branches(self) -> None:
+        """Raise RecordingError if there are more branches than are read of a file.
+
+        Unlike events they cannot be cut: the last rests on all that it came from.
+        """
+        for each in self.excess():
+            if each.what == "branches":
+                raise RecordingError(
+                    f"{self._name} is too long to be read: {each.of} branches, and "
+                    f"{each.first} is the most"
+                )
+
+    def _count(self, table: str) -> int:
+        """Return how many rows a table has, or MAX_ROWS_COUNTED."""
+        rows = f"SELECT count(*) AS last FROM (SELECT 1 FROM {table} LIMIT ?)"  # noqa: S608 our own
+        return int(self._row(rows, MAX_ROWS_COUNTED)[0])
 
     def ledger(self, branch: int) -> Iterator[tuple[int, int, int]]:
         """Yield tick, lateness and work [ns] of what a branch itself recorded."""

@@ -22,7 +22,7 @@ from typing import Final
 from trainer.io.recording import file
 from trainer.io.recording.checkpoint import BRING_HOME, Checkpointer
 from trainer.io.recording.file import FORMAT, TOUCH, RecordingError, wall_time
-from trainer.io.recording.queries import Branch, Flown, Journalled, Moment, Noted, Past
+from trainer.io.recording.queries import Branch, Excess, Flown, Journalled, Moment, Noted, Past
 
 __all__ = [
     "FORMAT",
@@ -311,6 +311,18 @@ class Recording:
     def events(self) -> Iterator[Noted]:
         """Yield what was noted on all branches, in order of time."""
         return self._seen().events()
+
+    def first_events(self) -> Iterator[Noted]:
+        """Yield the events as far as a file is read."""
+        return self._seen().first_events()
+
+    def excess(self) -> tuple[Excess, ...]:
+        """Return of what there is more than is read of a file."""
+        return self._seen().excess()
+
+    def refuse_branches(self) -> None:
+        """Raise RecordingError if there are more branches than are read of a file."""
+        self._seen().refuse_branches()
 
     def ledger(self, branch: int) -> Iterator[tuple[int, int, int]]:
         """Yield tick, lateness [ns] and work [ns] of the branch alone."""

@@ -52,7 +52,7 @@ def batches(
     while part := list(islice(flown, ROWS)):
         ends |= {each.branch: each.tick for each in part}
         yield Batch(block_of(part, layout, step), worked_of(part, step), told_of([], step))
-    told = [each for each in recording.events() if each.tick <= ends.get(each.branch, -2) + 1]
+    told = [each for each in recording.first_events() if each.tick <= ends.get(each.branch, -2) + 1]
     yield Batch(block_of([], layout, step), worked_of([], step), told_of(told, step))
 
 
