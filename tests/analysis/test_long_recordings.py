@@ -26,7 +26,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 COUNTING = "WITH RECURSIVE n(v) AS (SELECT 1 UNION ALL SELECT v + 1 FROM n WHERE v < {}) "
 Run = Callable[..., tuple[int, str, str]]
 CHAINED = (
-    "INSERT INTO branches SELECT v + 1, v, 0, 0, 0, 'reset', "
+    "INSERT INTO branches SELECT v + 1, v, 0, 1, 0, 'reset', "
     "(SELECT state FROM branches WHERE id = 1), '' FROM n"
 )
 NOTED = "INSERT INTO events SELECT v, 1, 3, 'mark', 'helm', 'mark ' || v, '' FROM n"

@@ -35,7 +35,7 @@ MARKS: Final = ".marks.json"  # ends the name of the file
 SCHEMA: Final = "marks/1"
 LAST: Final = 3  # attempts whose mean is told
 NARROWEST: Final = 60  # [columns] that a line of the list needs
-MAX_QUICK_BYTES: Final = 40_000_000  # of a recording that is judged in its turn in the list
+MAX_QUICK_BYTES: Final = 10_000_000  # of a recording that is judged in its turn in the list
 
 
 @dataclass(frozen=True)
