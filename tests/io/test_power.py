@@ -332,7 +332,6 @@ def test_the_disk_is_asked_for_what_was_answered_and_not_at_once_for_ticks(
 ) -> None:
     monkeypatch.setattr(recording_module, "FLOWN_WITHIN_S", 1e6)
     with contextlib.closing(begin(tmp_path / "watch.trainer")) as recording:
-        assert within(WAIT_S, lambda: disk.asked)
         asked = disk.asked
         recording.state(1, STATE)
         recording.event(1, "trouble", "", "something was late")
@@ -384,7 +383,6 @@ def test_a_disk_that_is_behind_is_told_once_and_its_end_too_though_time_is_froze
 
     with contextlib.closing(ship.recording):
         ship.say(ship.instructor, "subscribe events")
-        assert within(WAIT_S, lambda: disk.asked)
         disk.free.clear()
         ship.order("depth 70")
         assert within(WAIT_S, news)
@@ -396,3 +394,40 @@ def test_a_disk_that_is_behind_is_told_once_and_its_end_too_though_time_is_froze
             f"THE DISK IS BEHIND: it is slow; {UNSAFE}",
             f"the disk has caught up: {SAFE}",
         ]
+
+
+def test_without_descriptors_left_a_recording_is_written_and_safe(tmp_path: Path) -> None:
+    resource = pytest.importorskip("resource")
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    recording = begin(tmp_path / "watch.trainer")
+    with contextlib.closing(recording):
+        assert recording.order(1, "helm", "the first") == 1
+        resource.setrlimit(resource.RLIMIT_NOFILE, (3, before[1]))
+        try:
+            for tick in range(1, 50):
+                recording.state(tick, STATE)
+                recording.order(tick, "helm", f"order {tick}")
+            recording.snapshot("here", Moment(1, 20, STATE, 21, 0))
+            recording.fork(Moment(1, 20, STATE, 21, 0), "backtrack")
+            time.sleep(2 * recording_module.SAFE_WITHIN_S)
+            assert len(recording.orders(1)) == 50
+            assert not recording.trouble
+            assert recording.behind in ("", "it is slow")  # the file is open: nothing is refused
+        finally:
+            resource.setrlimit(resource.RLIMIT_NOFILE, before)
+
+
+def test_a_recording_begun_without_descriptors_for_its_thread_is_behind_until_there_are_some(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_path: Path) -> int:
+        raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
+
+    monkeypatch.setattr(durability, "QUIET_S", 0.0)
+    opens = durability._open  # noqa: SLF001  where the system has its say
+    monkeypatch.setattr(durability, "_open", refuse)
+    with contextlib.closing(begin(tmp_path / "watch.trainer")) as recording:
+        recording.order(1, "helm", "dive")
+        assert recording.behind == os.strerror(errno.EMFILE)
+        monkeypatch.setattr(durability, "_open", opens)
+        assert within(WAIT_S, lambda: not recording.behind)

@@ -954,6 +954,25 @@ def test_a_recording_is_read_where_nothing_can_be_written(
     assert files(path) == held
 
 
+@posix
+@pytest.mark.usefixtures("impatient")
+def test_a_recording_goes_on_in_a_folder_that_has_become_read_only(read_only: Path) -> None:
+    path = read_only / "watch.recording"
+    with closing(begin(path)) as recording:
+        fly(recording, 1, 10)
+        read_only.chmod(0o555)
+        if os.geteuid() == 0:
+            os.seteuid(65534)
+        fly(recording, 11, 400)
+        recording.fork(Moment(1, 20, state_of(20), 4, 0), "backtrack")
+        assert not recording.trouble
+        assert not recording.behind
+    assert not recording.trouble
+    with closing(Recording.look(path)) as again:
+        assert again.latest().branch == 2
+        assert [tick for tick, _ in again.states(1)] == list(range(401))
+
+
 # Size
 
 

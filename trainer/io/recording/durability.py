@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Final
 
 SYNC_PERIOD_S: Final = 0.2  # between looks at what is due
+RETRY_S: Final = 2.0  # until the file is opened that could not be
 QUIET_S: Final = 30.0  # without a sync that was late, before the disk keeps up again
 CLOSE_TIMEOUT_S: Final = 5.0  # for a disk that is at it when the recording ends
 
@@ -40,7 +41,8 @@ class Syncer:
         self.failure: OSError | None = None  # with which it was refused, until all is home
 
     def start(self) -> None:
-        """Begin the thread."""
+        """Begin the thread. The file is opened now: there may be no descriptors left later."""
+        self._opens()
         self._thread.start()
 
     def close(self) -> None:
@@ -71,7 +73,6 @@ class Syncer:
             self.failure = None
 
     def _run(self) -> None:
-        self._sync()  # the first of all, and the file is open
         while not self._closing.wait(SYNC_PERIOD_S):
             if time.monotonic() > self._begin:
                 self._sync()
@@ -86,17 +87,29 @@ class Syncer:
         """
         with self._lock:
             self._asked, self._begin, self._due = self._due, NEVER, NEVER
-        try:
-            if self._descriptor < 0:
-                self._descriptor = _open(self._written_ahead)
-            os.fsync(self._descriptor)
-        except FileNotFoundError:  # a recording that somebody has made one without a log
-            pass
-        except OSError as error:
-            self.failure = error
+        if self._opens():
+            try:
+                os.fsync(self._descriptor)
+            except OSError as error:
+                self.failure = error
         if (now := time.monotonic()) > self._asked:
             self._quiet = now + QUIET_S
         self._asked = NEVER
+
+    def _opens(self) -> bool:
+        """Return whether the file is open; where it cannot be, it is tried again before long."""
+        if self._descriptor >= 0:
+            return True
+        try:
+            self._descriptor = _open(self._written_ahead)
+        except FileNotFoundError:  # somebody has made it one without: then SQLite waits itself
+            return False
+        except OSError as error:
+            self.failure = error
+            self.expect(RETRY_S)
+            return False
+        self.failure = None  # the disk itself was not asked, and has refused nothing
+        return True
 
 
 def _open(path: Path) -> int:
