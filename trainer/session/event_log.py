@@ -189,7 +189,7 @@ class EventLog:
         return f"{answer}{remark}{' (not recorded)' * bool(self.history.recording.trouble)}"
 
     def tell_trouble(self) -> None:
-        """Tell once that the recording is out of reach or behind, and once that it is not."""
+        """Tell once that the recording is in trouble, and once that it is not."""
         self._tell_behind()
         recording = self.history.recording
         if recording.trouble == self.unrecorded:

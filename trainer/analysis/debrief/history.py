@@ -125,7 +125,7 @@ def listed(path: Path) -> Listed:
 
 
 def is_quick(path: Path) -> bool:
-    """Return whether a recording is listed at once: it was judged, or is of no great size."""
+    """Return whether a recording is listed at once: judged before, or small."""
     return path.stat().st_size <= MAX_QUICK_BYTES or kept(path) is not None
 
 

@@ -111,7 +111,7 @@ class Noted:
 
 @dataclass(frozen=True)
 class Excess:
-    """Rows of a kind that are more than are read of a file: the first are."""
+    """Rows of a kind that are too many: the first are read."""
 
     what: str
     of: int  # those that there are, MAX_ROWS_COUNTED of even more
@@ -261,7 +261,7 @@ class Past:
             yield Noted(*row)
 
     def first_events(self) -> Iterator[Noted]:
-        """Yield what was noted, in order, as far as a file is read: `excess` has what is not."""
+        """Yield what was noted, in order, as far as a file is read."""
         return islice(self.events(), MAX_EVENTS_READ)
 
     def excess(self) -> tuple[Excess, ...]:

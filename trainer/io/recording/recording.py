@@ -224,7 +224,7 @@ class Recording:
 
     @property
     def behind(self) -> str:
-        """Return why what was ordered is not yet safe from lost power, "" while it is in time."""
+        """Return why the last orders are not yet safe from lost power, "" if they are."""
         if not (self._checkpointer and self._checkpointer.disk.behind):
             return ""
         failure = self._checkpointer.disk.failure
