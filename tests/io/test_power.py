@@ -313,7 +313,6 @@ def test_a_disk_that_does_not_answer_holds_no_order_up_and_is_behind(
     tmp_path: Path, disk: Disk
 ) -> None:
     with contextlib.closing(begin(tmp_path / "watch.trainer")) as recording:
-        assert not recording.behind
         disk.free.clear()
         for tick in range(1, 20):
             recording.state(tick, STATE)
@@ -326,9 +325,27 @@ def test_a_disk_that_does_not_answer_holds_no_order_up_and_is_behind(
         assert within(WAIT_S, lambda: not recording.behind)
 
 
-@pytest.mark.parametrize("kind", ["order", "mark", "snapshot", "branch"])
+def mark(recording: Recording) -> None:
+    """Mark a moment, as a session does."""
+    recording.event(1, "mark", "helm", "here")
+    recording.flush()
+
+
+HERE = Moment(1, 1, STATE, 0, 0)
+PROMISES: dict[str, Callable[[Recording], object]] = {
+    "order": lambda recording: recording.order(1, "helm", "dive"),
+    "mark": mark,
+    "snapshot": lambda recording: recording.snapshot("here", HERE),
+    "branch": lambda recording: recording.fork(HERE, "backtrack"),
+}
+
+
+@pytest.mark.parametrize("promise", PROMISES.values(), ids=PROMISES)
 def test_the_disk_is_asked_for_what_was_answered_and_not_at_once_for_ticks(
-    tmp_path: Path, disk: Disk, monkeypatch: pytest.MonkeyPatch, kind: str
+    tmp_path: Path,
+    disk: Disk,
+    monkeypatch: pytest.MonkeyPatch,
+    promise: Callable[[Recording], object],
 ) -> None:
     monkeypatch.setattr(recording_module, "FLOWN_WITHIN_S", 1e6)
     with contextlib.closing(begin(tmp_path / "watch.trainer")) as recording:
@@ -338,13 +355,7 @@ def test_the_disk_is_asked_for_what_was_answered_and_not_at_once_for_ticks(
         recording.flush()
         time.sleep(10 * durability.SYNC_PERIOD_S)
         assert disk.asked == asked
-        promise = {
-            "order": lambda: recording.order(1, "helm", "dive"),
-            "mark": lambda: (recording.event(1, "mark", "helm", "here"), recording.flush()),
-            "snapshot": lambda: recording.snapshot("here", Moment(1, 1, STATE, 0, 0)),
-            "branch": lambda: recording.fork(Moment(1, 1, STATE, 0, 0), "backtrack"),
-        }
-        promise[kind]()
+        promise(recording)
         assert within(WAIT_S, lambda: disk.asked > asked)
 
 

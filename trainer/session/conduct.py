@@ -65,6 +65,7 @@ class Conduct:
         self.command = Command(self.log, self.wake, self.clock)
         self.work = Work(self.wake)
         history = self.control.history
+        history.recording.wake = self.wake
         self.ground = GroundMonitor(history.boat)
         self.past = PastReader(history.boat, self.work, self.log)
         self._quitting: tuple[Station | None, float] = None, 0.0  # who has said so, and when
@@ -97,7 +98,8 @@ class Conduct:
         return duty is not None and duty(asked)
 
     def tend(self) -> None:
-        """Take what is done by now, and see whose command it is; between orders."""
+        """Take what is done by now, tell trouble, and see whose command it is; between orders."""
+        self.log.tell_trouble()
         self.work.settle()
         self.command.tend()
 

@@ -81,7 +81,6 @@ class Session:
 
     def __post_init__(self) -> None:
         self.event_log = log = EventLog(self.history)
-        self.history.recording.wake = self.wake.set
         self.control = Control(self.boat, self.time, self.history, self.schedule)
         self.conduct = Conduct(self.control, log, self._show, self.wake.set, hand=self.hand)
         self.depths = DepthMonitor.over(self.boat)
@@ -150,7 +149,6 @@ class Session:
     def listen(self) -> None:
         """Admit newcomers, take what the stations say, and see out who has left."""
         self.event_log.strangers.settle()
-        self.event_log.tell_trouble()
         self.conduct.tend()
         self._admit_newcomers()
         for station in list(self.event_log.stations):

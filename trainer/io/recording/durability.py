@@ -1,4 +1,4 @@
-"""A thread of its own brings what is committed onto the disk, so that lost power takes it no more.
+"""A thread of its own brings what is committed onto the disk, where it outlives lost power.
 
 SQLite's commit hands its pages to the operating system: they outlive the program, not the machine.
 The system is asked to put them on the disk (fsync) where nobody waits for it, soon after something
@@ -21,7 +21,7 @@ NEVER: Final = math.inf  # [s] when nothing is due
 
 
 class Syncer:
-    """A thread that has the pages of a write-ahead log on the disk when they are due there.
+    """A thread that asks the disk in time for the pages of a write-ahead log.
 
     It opens that file itself, which carries no locks of SQLite's (the database does: to close it
     would give them up), and keeps it open: it needs no descriptor when there are none left.
@@ -53,12 +53,12 @@ class Syncer:
 
     @property
     def behind(self) -> bool:
-        """Return whether something is not on the disk that was due there, or was late of late."""
+        """Return whether something due is not on the disk, or was late of late."""
         now = time.monotonic()
         return self.failure is not None or now < self._quiet or now > min(self._due, self._asked)
 
     def expect(self, seconds: float) -> None:
-        """Take note of a commit that has to be on the disk within so many seconds.
+        """Expect a commit to be on the disk within so many seconds.
 
         The disk is asked after half of them: what else comes until then goes with it.
         """

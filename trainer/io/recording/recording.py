@@ -224,7 +224,7 @@ class Recording:
 
     @property
     def behind(self) -> str:
-        """Return why the last orders are not yet safe from lost power, "" if they are."""
+        """Return why lost power would take the last orders, "" if it would not."""
         if not (self._checkpointer and self._checkpointer.disk.behind):
             return ""
         failure = self._checkpointer.disk.failure
