@@ -98,7 +98,7 @@ class Conduct:
         return duty is not None and duty(asked)
 
     def tend(self) -> None:
-        """Take what is done by now, tell trouble, and see whose command it is; between orders."""
+        """Take what is done, tell trouble, and see whose command it is; between orders."""
         self.log.tell_trouble()
         self.work.settle()
         self.command.tend()

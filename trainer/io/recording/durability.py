@@ -1,4 +1,6 @@
-"""A thread of its own brings what is committed onto the disk, where it outlives lost power.
+"""A thread of its own brings onto the disk what is committed.
+
+Lost power takes it no more then.
 
 SQLite's commit hands its pages to the operating system: they outlive the program, not the machine.
 The system is asked to put them on the disk (fsync) where nobody waits for it, soon after something
