@@ -202,6 +202,22 @@ def test_a_moment_gone_back_to_goes_on_as_it_did_also_while_a_swing_is_being_met
     assert same(boat.columns, columns)
 
 
+def test_a_later_moment_has_its_ships_and_its_words_again_after_an_earlier_one() -> None:
+    boat = trainer.Boat()
+    boat.run(1)
+    first = boat.snapshot()
+    boat.order("contact add blue tug at 500 200 course 090 speed 5")
+    boat.order("order course 045")
+    boat.run(1)
+    later = boat.snapshot()
+    boat.restore(first)
+
+    boat.restore(later)
+
+    assert boat.order("contact blue course 180") == "contact blue course 180"
+    assert boat.order("belay") == "order course cleared"
+
+
 def test_another_boat_s_moment_is_refused() -> None:
     with pytest.raises(trainer.TrainerError, match="another boat"):
         trainer.Boat().restore(trainer.Boat().snapshot())

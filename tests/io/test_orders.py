@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterable
 
 import pytest
 from helpers.places import ROOT
@@ -9,10 +10,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from trainer.io.lines import LineDecoder
-from trainer.io.orders.grammar import LONGEST, BadOrder, Order, parse
+from trainer.io.orders import grammar
+from trainer.io.orders.grammar import (
+    LONGEST,
+    READINGS,
+    BadOrder,
+    Order,
+    Said,
+    match,
+    parse,
+    tokenise,
+)
 from trainer.io.orders.help import WIDTH, help_text, page
 from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
-from trainer.io.orders.table import FORMS, MEANT, SESSION, TOPICS, Word, heading_word, place
+from trainer.io.orders.table import FORMS, MEANT, SESSION, TOPICS, Place, Word, heading_word, place
 
 KNOT = 1852 / 3600
 DEG = math.pi / 180
@@ -309,6 +320,38 @@ def test_a_shortened_order_means_the_same_or_is_refused(
     # Units cannot be cut: "k" is no knot and "m" is no m/s, so both may be refused; nothing else is
     # ever understood instead.
     assert short == parse(whole) or isinstance(short, BadOrder)
+
+
+def test_a_line_is_compared_with_the_orders_of_its_first_word_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    compared: list[Place] = []
+
+    def listed(head: Place, token: str) -> Iterable[Said]:
+        compared.append(head)
+        return match(head, token)
+
+    monkeypatch.setattr(grammar, "match", listed)
+    for first in ("rudder", "rud", "course", "co", "depth"):
+        compared.clear()
+        parse(first)
+        assert compared
+        for head in compared:
+            assert isinstance(head, Word)
+            assert any(said.startswith(first) for said, _ in head.spellings), (first, head)
+
+
+@given(st.sampled_from([row[0] for row in UNDERSTOOD] + sorted(MEANT)), st.data())
+@settings(max_examples=300)
+def test_an_answer_is_the_one_that_all_orders_together_give(line: str, data: st.DataObject) -> None:
+    letters = st.text(st.sampled_from("abcdefghijklmnopqrstuvwxyz0123456789-/ "), max_size=2)
+    begin = data.draw(st.integers(0, len(line)))
+    end = data.draw(st.integers(begin, min(begin + 2, len(line))))
+    mistyped = line[:begin] + data.draw(letters) + line[end:]
+    answer = parse(mistyped)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(grammar, "OPENINGS", dict.fromkeys(tokenise(mistyped)[:1], READINGS))
+        assert parse(mistyped) == answer
 
 
 def test_what_people_say_first_is_no_order_and_leads_to_one() -> None:

@@ -261,14 +261,34 @@ def test_a_past_that_cannot_be_read_leaves_the_boat_where_she_is(
         yield "snapshot here"
         yield from onward(ship, 100)
         with monkeypatch.context() as broken:
-            broken.setattr(ship.recording, "orders", unreadable)
+            broken.setattr(ship.recording, "moment", unreadable)
             before = ship.state
-            yield "restore here"
+            yield "backtrack 10 s"
             assert ship.state == before
         yield from onward(ship, LAST)
 
     ship.sail(back())
     assert "locked by another program" in ship.said("locked")
+
+
+def test_orders_that_cannot_be_read_back_keep_no_boat_from_a_moment_of_this_run(
+    ship: Ship, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unreadable(*_: object) -> None:
+        raise RecordingError("locked by another program")
+
+    def back() -> Lines:
+        yield from onward(ship, 60)
+        yield "snapshot here"
+        before = ship.state
+        yield from onward(ship, 100)
+        with monkeypatch.context() as broken:
+            broken.setattr(ship.recording, "orders", unreadable)
+            yield "restore here"
+            assert ship.state == before
+        yield from onward(ship, LAST)
+
+    ship.sail(back())
 
 
 # The ways; each comes to the last tick in the end

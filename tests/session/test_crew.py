@@ -9,12 +9,17 @@ from helpers.line import Line
 
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
-from trainer.io.orders import sentences
+from trainer.io.orders import grammar, sentences
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import parse_schedule
+from trainer.io.recording.queries import Journalled, Past
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import NoFile
+from trainer.session.agenda import Agenda
+from trainer.session.crew import CrewTalk
 from trainer.session.history import History
 from trainer.session.session import Session
+from trainer.session.standing import Standing
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
@@ -23,6 +28,7 @@ from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
 KNOT = 1852.0 / 3600.0
+BACK_AND_FORTH = "backtrack 4 s", "branch 1"
 
 
 class Crew:
@@ -157,6 +163,55 @@ def test_after_a_backtrack_words_and_repeats_are_those_of_then(crew: Make) -> No
     assert here.say("helm", "aye") == ["? no new order is to be repeated here"]
     here.say("instructor", "backtrack 1.5")
     assert here.say("helm", "aye") == ["course 045 aye"]
+
+
+def test_a_jump_reads_and_understands_no_order_however_many_were_given(
+    crew: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = crew("1 order course 045\n").man("instructor", "helm").fly(3.0)
+    here.say("helm", "aye")
+    here.fly(1.0)
+    words = ("rudder left 5", "scope raise", "order depth 80", "tell hold her")
+    given = [order for order in map(parse, words) if isinstance(order, Order)]
+    for number in range(10_000):
+        here.session.give(given[number % len(given)], "instructor")
+    here.fly(4.0)
+    last = [told.fact.subject for told in here.session.crew.standing("helm")]
+    jumps = [
+        order for order in map(parse, ("backtrack 4 s", "branch 1")) if isinstance(order, Order)
+    ]
+    understood: list[str] = []
+    read: list[Journalled] = []
+    orders = Past.orders
+    monkeypatch.setattr(grammar, "refuse_unreadable", understood.append)  # begins every parse
+    monkeypatch.setattr(Past, "orders", lambda *of: read.extend(orders(*of)) or read)
+
+    for jump, stands in zip(jumps, (["course 045"] * 2, last), strict=True):
+        assert "branch" in str(here.session.give(jump, "instructor"))
+        assert [told.fact.subject for told in here.session.crew.standing("helm")] == stands
+    assert (understood, read) == ([], [])
+
+
+def test_what_stands_after_a_jump_is_what_the_journal_tells_from_its_beginning(
+    crew: Make, tmp_path: Path
+) -> None:
+    here = crew("1 order course 045\n", tmp_path / "a.trainer").man("instructor", "helm").fly(3.0)
+    for words in ("order depth 80", "at 20 depth 70", "tell hold her", "rudder left 5"):
+        here.say("instructor", words)
+        here.say("helm", "course 054 aye")
+        here.fly(2.0)
+    here.say("helm", "course 045 aye")
+    here.say("instructor", "belay", "cancel 1", "order course 090", "allow planes")
+    here.fly(2.0)
+    session = here.session
+    for jump in ("backtrack 2 s", "branch 1", "backtrack 5 s", "reset", "branch 3", "branch 1"):
+        here.say("instructor", jump)
+        afresh = Standing(CrewTalk(here.boat), Agenda(here.boat), session.history)
+        afresh.go_back()
+        assert session.crew.talk == afresh.crew.talk, jump
+        assert session.agenda.plans == afresh.agenda.plans, jump
+    assert session.crew.talk.spoken
+    assert session.history.after > 0
 
 
 def test_after_a_jump_programs_are_told_only_what_waits_to_be_repeated_there(crew: Make) -> None:

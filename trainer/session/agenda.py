@@ -6,7 +6,7 @@ again from there. The instructor alone is told of any.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
@@ -17,7 +17,6 @@ from trainer.config.exercise import Armed
 from trainer.config.files import ConfigError, Place
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.schedule import Scheduled
-from trainer.io.recording.recording import Journalled
 from trainer.io.status_line import clock
 from trainer.session.exercise import is_met
 from trainer.session.stations.station import Fact
@@ -74,6 +73,13 @@ class Planned:
         return math.ceil(self.seconds / boat.method.step - 1e-9) <= boat.ticks
 
 
+class Plans(NamedTuple):
+    """The plans of instructors at one moment."""
+
+    planned: tuple[Planned, ...] = ()
+    last: int = 0  # the number of the newest
+
+
 @dataclass
 class Agenda:
     """The orders ahead of one session."""
@@ -97,15 +103,15 @@ class Agenda:
         self._take(made)
         return f"planned: {made.ahead}"
 
-    def settle(self, entries: Iterable[Journalled]) -> None:
-        """Make the plans again from the journal, after a jump in time."""
-        self.planned.clear()
-        self._last = 0
-        for entry in entries:
-            order = parse(entry.text)
-            came = entry.who.startswith(HEAD)
-            if isinstance(order, Order) and (came or entry.accepted is not False):
-                self.note(order, entry.who, entry.tick * self.boat.method.step)
+    @property
+    def plans(self) -> Plans:
+        """Return the plans of instructors as they stand now."""
+        return Plans(tuple(self.planned.values()), self._last)
+
+    def take(self, plans: Plans) -> None:
+        """Take the plans that stood at another moment: time has jumped."""
+        self.planned = {each.number: each for each in plans.planned}
+        self._last = plans.last
 
     def note(self, order: Order, who: str, seconds: float) -> None:
         """Take what an order of the journal meant for the plans."""

@@ -7,8 +7,8 @@ time. Nothing here moves the boat.
 
 import math
 import re
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
 from trainer.boat.ballast_orders import PumpMonitor
@@ -20,7 +20,6 @@ from trainer.boat.helm import obey
 from trainer.config.exercise import AXES
 from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_crew
 from trainer.io.orders.quantities import FEET, METRES
-from trainer.io.recording.recording import Journalled
 from trainer.session.manning import BY_HAND, CONCERNED, WORDS, axis_of, in_hand
 from trainer.session.stations.roles import INSTRUCTOR
 from trainer.session.stations.station import Fact
@@ -54,7 +53,7 @@ class Watched(NamedTuple):
     order: Order
 
 
-@dataclass
+@dataclass(frozen=True)
 class Spoken:
     """An order to the crew, and what the crew has said to it."""
 
@@ -64,7 +63,6 @@ class Spoken:
     tick: int
     by: str  # the role that gave it
     repeated: bool = False
-    wrong: int = 0  # times that it was repeated wrong
     reminded: bool = False
     begun: bool = False  # somebody has moved what carries it out
 
@@ -72,6 +70,14 @@ class Spoken:
     def says(self) -> str:
         """Return the order as people say it."""
         return self.given.subject if self.axis == WORDS else self.told
+
+
+class Talk(NamedTuple):
+    """What stands of the words on board at one moment."""
+
+    spoken: tuple[Spoken, ...] = ()  # the newest last
+    freed: frozenset[str] = frozenset()
+    meeting: str = ""
 
 
 class Repeat(NamedTuple):
@@ -158,18 +164,18 @@ class CrewTalk:
         }
         return notes.get(order.name, lambda: self._belayed(order))()
 
-    def settle(self, entries: Iterable[Journalled], tick: int) -> None:
-        """Make all this again from the journal up to a tick, after a jump."""
-        self._spoken.clear()
-        self.freed.clear()
-        self.meeting = ""
+    @property
+    def talk(self) -> Talk:
+        """Return what stands of the words on board."""
+        return Talk(tuple(self._spoken.values()), frozenset(self.freed), self.meeting)
+
+    def take(self, talk: Talk, tick: int) -> None:
+        """Take what stood at another moment, at a tick: time has jumped."""
+        self.freed, self.meeting = set(talk.freed), talk.meeting
+        self._spoken = {
+            each.axis: replace(each, reminded=self._late_at(each) <= tick) for each in talk.spoken
+        }
         self.pumps.asked.clear()
-        for entry in entries:
-            order = parse(entry.text)
-            if isinstance(order, Order) and order.name in HEARD and entry.accepted is not False:
-                self.note(order, entry.who, entry.tick, entry.answer or "")
-        for each in self._spoken.values():
-            each.reminded = self._late_at(each) <= tick
         self._look_ahead(tick)
 
     # Orders and repeats
@@ -210,10 +216,9 @@ class CrewTalk:
             return []
         spoken, right = found
         if right:
-            spoken.repeated = True
+            self._spoken[spoken.axis] = replace(spoken, repeated=True)
             self._look_ahead()
             return [Telling("crew", f"{role}: {spoken.says} aye", Fact("repeated", spoken.told))]
-        spoken.wrong += 1
         told = f"{order.subject}; {spoken.told}"
         text = f"WRONG REPEAT: {role} says {order.subject}; ordered is {spoken.says}"
         return [Telling("crew", text, Fact("wrong-repeat", told))]
@@ -250,10 +255,10 @@ class CrewTalk:
         have done. ``attends`` tells whether somebody with that role is there.
         """
         found = []
-        for each in self._spoken.values():
+        for each in [*self._spoken.values()]:
             if each.repeated or each.reminded or self._late_at(each) > tick:
                 continue
-            each.reminded = True
+            self._spoken[each.axis] = replace(each, reminded=True)
             if any(attends(role) for role in CONCERNED[each.axis] if role != each.by):
                 text = f"NOT REPEATED in {LATE:g} s: {each.says}"
                 found.append(Telling("crew", text, Fact("crew-order", each.told)))
@@ -299,7 +304,7 @@ class CrewTalk:
         """Note that a surface was worked, and whether a swing is being met."""
         for axis, surfaces in WORKS.items():
             if axis in self._spoken and order.name in surfaces:
-                self._spoken[axis].begun = True
+                self._spoken[axis] = replace(self._spoken[axis], begun=True)
         if order.name in STEERED:
             self.meeting = f"{role_of(who)} meeting her" if order.word == "meet" else ""
         return []

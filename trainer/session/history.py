@@ -13,7 +13,7 @@ import struct
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -107,23 +107,41 @@ def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
     return order if isinstance(order, Order) else None
 
 
-WorldOrders = tuple[tuple[int, Order], ...]  # orders to the world, each with its tick
+class WorldOrder(NamedTuple):
+    """An order to the world with its tick, and the one before it."""
+
+    number: int
+    tick: int
+    order: Order
+    before: "WorldOrder | None"
 
 
-def world_orders(recording: Recording | NoRecording, branch: int, after: int) -> WorldOrders:
-    """Return the orders to the world that a branch has up to ``after``."""
-    return tuple(
-        (entry.tick, order)
-        for entry in recording.orders(branch)
-        if entry.id <= after and entry.accepted is not False
-        if entry.text.partition(" ")[0] in PARTS  # most are not
-        if isinstance(order := parse(entry.text), Order)
-    )
+WorldOrders = list[tuple[int, Order]]  # each with its tick
 
 
-def settle_world(boat: Boat, recording: Recording | NoRecording, branch: int, after: int) -> None:
+def world_orders(latest: WorldOrder | None) -> WorldOrders:
+    """Return an order to the world and all before it, the first one first."""
+    found = []
+    while latest:
+        found.append((latest.tick, latest.order))
+        latest = latest.before
+    return found[::-1]
+
+
+def to_world(entry: Journalled, before: WorldOrder | None) -> WorldOrder | None:
+    """Return the latest order to the world after an order of the journal."""
+    if entry.accepted is False or entry.text.partition(" ")[0] not in PARTS:  # most are not
+        return before
+    order = parse(entry.text)
+    return WorldOrder(entry.id, entry.tick, order, before) if isinstance(order, Order) else before
+
+
+def settle_world(boat: Boat, recording: Recording, branch: int, after: int) -> None:
     """Bring a boat's world to what a branch's orders up to ``after`` made it."""
-    boat.world.settle(world_orders(recording, branch, after))
+    latest = None
+    for entry in recording.orders(branch):
+        latest = to_world(entry, latest) if entry.id <= after else latest
+    boat.world.settle(world_orders(latest))
 
 
 @dataclass(frozen=True)
@@ -172,11 +190,11 @@ class History:
         default_factory=lambda: Moments(AUTOMATIC_KEPT, STATE.itemsize), repr=False
     )
     _period: int = field(init=False)  # [ticks] between the automatic moments
+    # the latest order to the world, by the number of the order that a state includes last
+    _to_world: dict[int, WorldOrder | None] = field(default_factory=lambda: {0: None}, repr=False)
 
     def __post_init__(self) -> None:
         self._period = max(round(AUTOMATIC_EVERY / self.boat.method.step), 1)
-        if isinstance(self.recording, NoRecording):
-            self.recording.kept = self.boat.world.parts.keys()
 
     @property
     def tick(self) -> int:
@@ -192,16 +210,41 @@ class History:
         """Journal an order that is about to act; return its number."""
         if self.recording.reachable:
             self.recording.go_on(self.now())
-        self.after = self.recording.order(self.tick, who, order.text, place)
+        before = self._world_order(self.recording.branch, self.after)
+        self.after = number = self.recording.order(self.tick, who, order.text, place)
+        ours = order.name in PARTS
+        self._to_world[number] = WorldOrder(number, self.tick, order, before) if ours else before
         if place is not None:
             self.place = place + 1
-        return self.after
+        return number
 
     def answered(self, number: int, answer: Reply) -> None:
         """Journal what became of an order."""
         refused = isinstance(answer, Refused)
         text = answer.reason if isinstance(answer, Refused) else answer
         self.recording.answered(number, text, not refused)
+        latest = self._to_world.get(number)
+        if refused and latest and latest.number == number:
+            self._to_world[number] = latest.before
+
+    def include(self, entry: Journalled) -> None:
+        """Take it that the present state includes an order of the journal."""
+        self.after = entry.id
+        if entry.place is not None:
+            self.place = entry.place + 1
+
+    def read_world_orders(self, branch: int) -> None:
+        """Read the orders to the world that led to a branch; those given here are known."""
+        latest = None
+        for entry in self.recording.orders(branch):
+            latest = to_world(entry, latest)
+            self._to_world[entry.id] = latest
+
+    def _world_order(self, branch: int, after: int) -> WorldOrder | None:
+        """Return the latest order to the world of a state that includes order ``after`` last."""
+        if after not in self._to_world:
+            self.read_world_orders(branch)
+        return self._to_world.get(after)
 
     def ticked(self, tick: int) -> bytes:
         """Keep the state after a tick; return it."""
@@ -295,9 +338,7 @@ class History:
             order = order_of(entry, schedule)
             if order is not None and order.name in BOAT_ORDERS and entry.accepted is not False:
                 obey(self.boat, order)
-            self.after = entry.id
-            if entry.place is not None:
-                self.place = entry.place + 1
+            self.include(entry)
         self.go_to(Moment(end.branch, end.tick, self._state(), self.after, self.place), why)
 
     def go_to(self, moment: Moment, why: str) -> None:
@@ -337,9 +378,7 @@ class History:
         rerun = self.rerun
         while rerun and rerun.orders and rerun.orders[0].tick <= self.tick:
             entry = rerun.orders.popleft()
-            self.after = entry.id
-            if entry.place is not None:
-                self.place = entry.place + 1
+            self.include(entry)
             order = order_of(entry, schedule)
             if order is not None:
                 yield order, entry.who
@@ -360,9 +399,9 @@ class History:
 
     def _restore(self, moment: Moment) -> None:
         """Take a moment whole; RecordingError with nothing changed."""
-        given = world_orders(self.recording, moment.branch, moment.after)
+        latest = self._world_order(moment.branch, moment.after)
         self.boat.restore(np.frombuffer(moment.state, STATE))
-        self.boat.world.settle(given)
+        self.boat.world.settle(world_orders(latest))
         self.after, self.place = moment.after, moment.place
 
     def _state(self) -> bytes:

@@ -243,9 +243,8 @@ def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ..
             order = order_of(entry, plan.schedule)
             if order is not None and order.name in BOAT_ORDERS:
                 history.answered(entry.id, obey(boat, order))
-            history.after = entry.id
-            if entry.place is not None:
-                history.place = entry.place + 1
+            history.include(entry)
+    history.read_world_orders(recording.branch)
     return history
 
 

@@ -26,6 +26,7 @@ from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
 from trainer.session.event_log import CREW, MOMENTS, TIME, EventLog
 from trainer.session.history import History
 from trainer.session.manning import unheard
+from trainer.session.standing import Standing
 from trainer.session.stations.briefing import Briefing, hint, in_words, ranges
 from trainer.session.stations.display import panel
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
@@ -78,6 +79,7 @@ class Session:
     pilot: PilotMonitor = field(init=False)
     crew: CrewTalk = field(init=False)
     agenda: Agenda = field(init=False)
+    standing: Standing = field(init=False)
 
     def __post_init__(self) -> None:
         self.event_log = log = EventLog(self.history)
@@ -87,9 +89,8 @@ class Session:
         self.pilot = PilotMonitor.over(self.boat)
         self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed, self.guard)
         self.agenda = Agenda(self.boat, self.schedule, self.armed)
-        said = self.history.said()  # a recorded run goes on
-        self.crew.settle(said, self.history.tick)
-        self.agenda.settle(said)
+        self.standing = Standing(self.crew, self.agenda, self.history)
+        self.standing.go_back()  # a recorded run goes on
         self._alarm = Alarm(self.wake.set)
         self._lookout = StateReader(self.boat, self.time.ledger.summary)
         self._pace = Pace()  # as it was last shown: whatever changes it has it shown
@@ -314,6 +315,7 @@ class Session:
         answer = self._obey(order, who) if moves else self.control.obey(order, who)
         if number is not None:
             self.history.answered(number, answer)
+            self.standing.keep()
         if not moves:
             self._after_time(order)
         return answer
@@ -355,9 +357,7 @@ class Session:
         for each in counting:
             each.settle(self.boat)
         self.conduct.settle()
-        said = self.history.said()
-        self.crew.settle(said, self.history.tick)
-        self.agenda.settle(said)
+        self.standing.go_back()
         self.event_log.settle(counting)
         self.conduct.judge_hull()
 
@@ -412,7 +412,7 @@ class Session:
         if not self.history.caught_up:
             return False
         self.event_log.tell("moment", self.history.arrive())
-        self.agenda.settle(self.history.said())
+        self.standing.arrive()
         self.conduct.judge_hull()
         self.conduct.look()
         self.time.pacer.freeze()

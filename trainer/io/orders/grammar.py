@@ -136,13 +136,13 @@ PLAN = re.compile(
 
 
 def openings() -> dict[str, list[Reading]]:
-    """Return the readings that a line may begin with, by its first letter."""
+    """Return the readings that a line may begin with, by its first word, whole or cut short."""
     found: dict[str, list[Reading]] = {}
     for reading in READINGS:
         first = reading.places[0]
-        heads = first.spellings if isinstance(first, Word) else ()
-        for letter in {said[0] for said, _ in heads}:
-            found.setdefault(letter, []).append(reading)
+        heads = {said for said, _ in first.spellings} if isinstance(first, Word) else set()
+        for word in {said[:length] for said in heads for length in range(1, len(said) + 1)}:
+            found.setdefault(word, []).append(reading)
     return found
 
 
@@ -251,7 +251,7 @@ def tokenise(text: str) -> list[str]:
 
 def read(tokens: list[str]) -> Reading:
     """Return the one reading of the tokens. Refuses where there is none, or more than one."""
-    alive = OPENINGS.get(tokens[0][0]) or list(READINGS)
+    alive = OPENINGS.get(tokens[0], [])
     for i, token in enumerate(tokens):
         reached = [reading for reading in alive if len(reading.places) > i]
         alive = [

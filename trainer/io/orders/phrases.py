@@ -194,14 +194,43 @@ def opening(row: str) -> re.Pattern[str]:
     return re.compile("|".join(SLOTS.get(each, each) for each in words))
 
 
+def first_words(row: str) -> set[str]:
+    """Return the words that a row may begin with; DIGIT for any number."""
+    items = row.split()
+    first = next(i for i, item in enumerate(items) if not item.startswith("["))
+    words = [each for item in items[: first + 1] for each in item.strip("[]").split("|")]
+    said = [each for word in words for each in spoken_as(SLOTS.get(word, word))]
+    return {DIGIT if each[0].isdigit() else each for each in said}
+
+
+def spoken_as(expression: str) -> list[str]:
+    """Return the first words of what an expression matches; DIGIT for a number."""
+    inner = re.sub(r"^\(\?(?:P<\w+>|:)|\)", "", expression)
+    if "\\d" in inner:
+        return [DIGIT]
+    return [each.split()[0] for each in inner.split("|")]
+
+
+def by_first_word() -> dict[str, list[tuple[re.Pattern[str], Phrase]]]:
+    """Return the expressions of the phrases, by the words that they may begin with."""
+    found: dict[str, list[tuple[re.Pattern[str], Phrase]]] = {}
+    for expression, phrase in COMPILED:
+        for word in first_words(phrase.pattern):
+            found.setdefault(word, []).append((expression, phrase))
+    return found
+
+
+DIGIT: Final = "0"  # stands for any number that a phrase may begin with
 COMPILED: Final = tuple((pattern(phrase.pattern), phrase) for phrase in PHRASES)
+BY_FIRST_WORD: Final = by_first_word()
 OPENINGS: Final = tuple((opening(phrase.pattern), phrase.example) for phrase in PHRASES)
 
 
 def meaning(tokens: list[str]) -> Meaning | None:
     """Return what a phrase means, None if it is none."""
     text = plain_text(tokens)
-    for expression, phrase in COMPILED:
+    first = text.partition(" ")[0]
+    for expression, phrase in BY_FIRST_WORD.get(DIGIT if first[:1].isdigit() else first, ()):
         if found := expression.fullmatch(f"{text} "):
             said = {name: value or "" for name, value in found.groupdict().items()}
             said["n"] = said.get("n", "")

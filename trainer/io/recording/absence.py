@@ -1,43 +1,28 @@
 """Recordings that are no file; with them a run needs no ``if``."""
 
-from collections.abc import Container, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 from trainer.io.recording.queries import Branch, Journalled, Moment, Noted
 
 
 class NoRecording:
-    """A recording that drops all it is given but orders by their first words.
-
-    There is nothing to go back to. What moments in memory do not hold, the orders kept tell.
-    """
-
-    kept: Container[str]  # first words of orders
+    """A recording that drops all it is given. There is nothing to go back to but memory."""
 
     def __init__(self) -> None:
-        self.kept = ()
         self.trouble = self.missing = ""
         self.reachable = False
         self.absences = 0
         self.branch = 1
         self._order = 0
-        self._orders: list[Journalled] = []
 
-    def order(self, tick: int, who: str, text: str, place: int | None = None) -> int:
-        """Keep an order if it is of those to be kept; return its number."""
+    def order(self, _tick: int, _who: str, _text: str, _place: int | None = None) -> int:
+        """Drop an order; return its number."""
         self._order += 1
-        if self._keeps(text):
-            entry = Journalled(self._order, self.branch, tick, who, text, place, None, "")
-            self._orders.append(entry)
         return self._order
 
-    def _keeps(self, text: str) -> bool:
-        return text.partition(" ")[0] in self.kept
-
-    def answered(self, order: int, answer: str, accepted: bool) -> None:  # noqa: FBT001
-        """Keep what became of the latest order, if that is kept."""
-        if self._orders and self._orders[-1].id == order:
-            self._orders[-1] = replace(self._orders[-1], accepted=accepted, answer=answer)
+    def answered(self, _order: int, _answer: str, _accepted: bool) -> None:  # noqa: FBT001
+        """Drop it."""
 
     def state(self, _tick: int, _state: bytes) -> None:
         """Drop it."""
@@ -51,9 +36,8 @@ class NoRecording:
     def snapshot(self, _name: str, _moment: Moment) -> None:
         """Drop it."""
 
-    def fork(self, moment: Moment, _why: str) -> int:
-        """Forget the orders after a moment; return the number of the branch that begins."""
-        self._orders = [each for each in self._orders if each.id <= moment.after]
+    def fork(self, _moment: Moment, _why: str) -> int:
+        """Return the number of the branch that begins."""
         self.branch += 1
         return self.branch
 
@@ -83,9 +67,9 @@ class NoRecording:
         """Return nothing."""
         return None
 
-    def orders(self, _branch: int, after: int = 0) -> list[Journalled]:
-        """Return those kept after number ``after``."""
-        return [each for each in self._orders if each.id > after]
+    def orders(self, _branch: int, _after: int = 0) -> list[Journalled]:
+        """Return none."""
+        return []
 
     def snapshots(self) -> list[tuple[str, Moment]]:
         """Return none."""
@@ -98,5 +82,26 @@ class NoRecording:
 class OrdersAlone(NoRecording):
     """All orders of the present branch, in memory; the rest is dropped."""
 
-    def _keeps(self, _text: str) -> bool:
-        return True
+    def __init__(self) -> None:
+        super().__init__()
+        self._orders: list[Journalled] = []
+
+    def order(self, tick: int, who: str, text: str, place: int | None = None) -> int:
+        """Keep an order; return its number."""
+        number = super().order(tick, who, text, place)
+        self._orders.append(Journalled(number, self.branch, tick, who, text, place, None, ""))
+        return number
+
+    def answered(self, order: int, answer: str, accepted: bool) -> None:  # noqa: FBT001
+        """Keep what became of the latest order."""
+        if self._orders and self._orders[-1].id == order:
+            self._orders[-1] = replace(self._orders[-1], accepted=accepted, answer=answer)
+
+    def fork(self, moment: Moment, why: str) -> int:
+        """Forget the orders after a moment; return the number of the branch that begins."""
+        self._orders = [each for each in self._orders if each.id <= moment.after]
+        return super().fork(moment, why)
+
+    def orders(self, _branch: int, after: int = 0) -> list[Journalled]:
+        """Return those after number ``after``."""
+        return [each for each in self._orders if each.id > after]

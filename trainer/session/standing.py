@@ -1,0 +1,69 @@
+"""What stands on board after each order of the journal: words, repeats and plans.
+
+A jump in time takes it as it stood after the last order of the moment. An order's number tells all
+the orders before it, on whatever branch. So nothing is read from the journal, or understood anew,
+but what was given to another process.
+"""
+
+from dataclasses import dataclass, field
+
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.recording import Journalled
+from trainer.session.agenda import HEAD as PLANNED
+from trainer.session.agenda import Agenda, Plans
+from trainer.session.crew import HEARD, CrewTalk, Talk
+from trainer.session.history import History
+
+Stand = tuple[Talk, Plans]
+NOTHING: Stand = Talk(), Plans()
+
+
+@dataclass
+class Standing:
+    """The words and plans of one session, by the order that they stand after."""
+
+    crew: CrewTalk
+    agenda: Agenda
+    history: History
+    _latest: Stand = NOTHING
+    _by_order: dict[int, Stand] = field(default_factory=lambda: {0: NOTHING}, repr=False)
+
+    def keep(self) -> None:
+        """Keep what stands after the last order. Most change nothing, and share what is kept."""
+        now = self.crew.talk, self.agenda.plans
+        if now != self._latest:
+            self._latest = now
+        self._by_order[self.history.after] = self._latest
+
+    def go_back(self) -> None:
+        """Take what stood after the last order that the present state includes."""
+        talk, plans = self._present()
+        self.crew.take(talk, self.history.tick)
+        self.agenda.take(plans)
+
+    def arrive(self) -> None:
+        """Take the plans as they stand where a replay has led; its words have been said again."""
+        self.agenda.take(self._present()[1])
+
+    def _present(self) -> Stand:
+        if self.history.after not in self._by_order:
+            self._read()
+        return self._by_order.get(self.history.after, NOTHING)
+
+    def _read(self) -> None:
+        """Hear the journal's orders again, from the first to those of the present state."""
+        crew, agenda = CrewTalk(self.crew.boat), Agenda(self.agenda.boat)
+        for entry in self.history.said():
+            order = parse(entry.text)
+            if isinstance(order, Order):
+                _hear_again(crew, agenda, entry, order)
+            self._by_order[entry.id] = crew.talk, agenda.plans
+
+
+def _hear_again(crew: CrewTalk, agenda: Agenda, entry: Journalled, order: Order) -> None:
+    """Take what an order of the journal has made stand, or no longer stand."""
+    taken = entry.accepted is not False
+    if taken and order.name in HEARD:  # what the pumps did then is reported no more
+        crew.note(order, entry.who, entry.tick, entry.answer)
+    if taken or entry.who.startswith(PLANNED):  # a plan whose time has come is gone
+        agenda.note(order, entry.who, entry.tick * agenda.boat.method.step)
