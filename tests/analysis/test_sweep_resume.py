@@ -17,6 +17,7 @@ import pytest
 from trainer.analysis.sweep.job import Batch, Job, differences, fly_chunk, job_of
 from trainer.analysis.sweep.results import folder_of
 from trainer.analysis.sweep.sweep import Chunks, alone, carry_out, processes
+from trainer.cli.main import main
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
 from trainer.core import cache
@@ -39,6 +40,17 @@ distribution = "normal"
 mean = 1.0
 std = 0.1
 relative = true
+"""
+
+
+HOLDER = """
+import sys, time
+from pathlib import Path
+from trainer.analysis.sweep.results import writing_alone
+
+with writing_alone(Path(sys.argv[1])):
+    print("holds it", flush=True)
+    time.sleep(600)
 """
 
 
@@ -122,7 +134,73 @@ def test_a_changed_study_is_refused_with_what_differs(tmp_path: Path) -> None:
     with pytest.raises(ConfigError) as refused:
         fly(path, out)
     assert refused.value.problems[0].startswith(f"{folder_of(out)}: is of another study")
-    assert refused.value.problems[1:] == (f"{path}, line 17: 'std = 0.1' then, 'std = 0.2' now",)
+    assert refused.value.problems[1:] == ("turns.toml, line 17: 'std = 0.1' then, 'std = 0.2' now",)
+
+
+def test_a_study_is_the_same_from_wherever_it_is_typed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = study(tmp_path, members=600)
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    results = []
+    for typed in ("turns.toml", "./turns.toml", "elsewhere/../turns.toml", str(path)):
+        out = tmp_path / f"{len(results)}.parquet"
+        with pytest.raises(ConfigError):
+            fly(Path("turns.toml"), out, breaking(1))
+        assert carry_out(job_of(typed, None, subject_of), alone, out, nothing).num_rows == 600
+        results.append(out.read_bytes())
+    assert set(results) == {results[0]}
+
+
+def test_what_an_earlier_version_began_under_a_path_goes_on(tmp_path: Path) -> None:
+    path, out = study(tmp_path), tmp_path / "a.parquet"
+    with pytest.raises(ConfigError):
+        fly(path, out, breaking(1))
+    manifest = folder_of(out) / "manifest.json"
+    facts = json.loads(manifest.read_text())
+    facts["files"][str(path)] = facts["files"].pop("turns.toml")
+    manifest.write_text(json.dumps({**facts, "study": str(path)}))
+
+    assert fly(path, out) == [0, 1, 2]
+
+
+def test_a_second_sweep_that_would_write_the_same_result_is_told_which_process_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = study(tmp_path), tmp_path / "a.parquet"
+    ends: list[object] = []
+
+    def meanwhile(job: Job, places: list[int]) -> Chunks:
+        for place, batch in alone(job, places):
+            if not ends:
+                with pytest.raises(SystemExit) as end:
+                    main()
+                ends.append(end.value.code)
+            yield place, batch
+
+    monkeypatch.setattr(sys, "argv", ["trainer", "sweep", str(path), "--out", str(out)])
+    assert fly(path, out, meanwhile) == [0, 1, 2, 3]
+    assert ends == [2]
+    told = f"another sweep writes it, process {os.getpid()}: wait for it, or give --out another"
+    assert capsys.readouterr().err == f"trainer: {out}: {told} name\n"
+    assert pq.read_table(out).num_rows == 1600
+    assert not folder_of(out).exists()
+
+
+def test_a_sweep_that_is_killed_keeps_nobody_from_its_result(tmp_path: Path) -> None:
+    path, out = study(tmp_path, members=600), tmp_path / "a.parquet"
+    holder = subprocess.Popen(
+        [sys.executable, "-c", HOLDER, str(out)], stdout=subprocess.PIPE, text=True
+    )
+    assert holder.stdout
+    assert holder.stdout.readline() == "holds it\n"
+    with pytest.raises(ConfigError, match=f"process {holder.pid}: wait for it"):
+        fly(path, out)
+    holder.kill()
+    holder.communicate(timeout=60)
+
+    assert fly(path, out) == [0, 1]
 
 
 def test_another_core_is_refused_and_told(tmp_path: Path) -> None:
@@ -158,7 +236,8 @@ def test_a_result_tells_all_it_follows_from(tmp_path: Path) -> None:
     schema = pq.read_schema(out)
 
     facts = json.loads(schema.metadata[b"trainer.sweep"])
-    assert facts["files"][str(path)] == path.read_text()
+    assert facts["study"] == "turns"
+    assert facts["files"]["turns.toml"] == path.read_text()
     assert "configs/vessels/bb2.toml" in facts["files"]
     assert schema.names == ["member", "seed", "N_v", "advance", "steady speed", "trouble"]
     assert schema.field("steady speed").metadata == {b"unit": b"m/s"}

@@ -17,6 +17,7 @@ from types import FrameType
 from typing import Final
 
 from trainer.core.cache import cache_folder, sources
+from trainer.io.file_lock import holding
 
 KERNELS: Final = "trainer.core.kernel"  # once it is imported, how kernels run is settled
 LOCK: Final = "compiling"
@@ -144,15 +145,8 @@ def interruptible() -> Iterator[None]:
 @contextlib.contextmanager
 def compiling() -> Iterator[bool]:
     """Yield whether this process alone compiles into the cache now, inside the block."""
-    import fcntl  # noqa: PLC0415  not everywhere
-
-    with (cache_folder() / LOCK).open("wb") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            yield False
-        else:
-            yield True
+    with holding(cache_folder() / LOCK) as other:
+        yield not other
 
 
 def mark(name: str, *folders: str) -> Path:

@@ -138,10 +138,11 @@ def key_of(path: Path) -> str:
 
 def path_of(key: str) -> Path:
     """Return where the file of that key is on this machine, if it is."""
-    return _shipped_folder("") / key.removeprefix(SHIPPED) if _ships(key) else Path(key)
+    return _shipped_folder("") / key.removeprefix(SHIPPED) if is_shipped(key) else Path(key)
 
 
-def _ships(key: str) -> bool:
+def is_shipped(key: str) -> bool:
+    """Return whether a key is that of a shipped file."""
     return key.startswith(SHIPPED)
 
 
@@ -248,7 +249,7 @@ def text_if_there(path: Path) -> str | None:
 
 def _shipped_key(path: Path, texts: Mapping[str, str]) -> str:
     """Return the key of a shipped file by its path on another machine; ConfigError if none is."""
-    for key in filter(_ships, texts):
+    for key in filter(is_shipped, texts):
         if path.as_posix().endswith(f"/{key}"):
             return key
     raise ConfigError(f"{path}: is not among the files recorded: {', '.join(texts)}")

@@ -3,9 +3,11 @@
 import hashlib
 import json
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from pathlib import Path
 from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
@@ -19,6 +21,9 @@ from trainer.analysis.sweep.study import Study, load_study, with_members
 from trainer.config.files import (
     ABANDONED,
     ConfigError,
+    is_path,
+    is_shipped,
+    key_of,
     nearest,
     quote,
     reading_recorded,
@@ -191,11 +196,11 @@ class Job:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """Return what the members' bits follow from, for a manifest."""
+        """Return what the members' bits follow from, for a manifest, wherever the study lies."""
         return {
-            "study": self.name,
+            "study": study_name(self.name),
             "members": self.members,
-            "files": dict(self.texts),
+            "files": as_seen_from(self.name, dict(self.texts)),
             "version": self.version,
             "core": self.core,
         }
@@ -228,6 +233,22 @@ class Opened:
         """Return what becomes of the members of one chunk."""
         first = place * self.subject.chunk
         return self.subject.batch(first, min(self.subject.chunk, self.members - first))
+
+
+def study_name(name_or_path: str) -> str:
+    """Return the name of a study, which is that of its file."""
+    return Path(name_or_path).stem
+
+
+def as_seen_from(study: str, texts: Mapping[str, str]) -> dict[str, str]:
+    """Return texts by the paths of their files from a study's folder; shipped ones keep theirs."""
+    if not is_path(study):
+        return dict(texts)
+    folder = Path(study).parent
+    return {
+        key if is_shipped(key) else key_of(Path(os.path.relpath(key, folder))): text
+        for key, text in texts.items()
+    }
 
 
 def job_of(name: str, members: int | None, make: Callable[[Study], Subject]) -> Job:
@@ -272,13 +293,19 @@ def fly_chunk(job: Job, place: int) -> Batch:
 
 def differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     """Return in words what differs between the facts of two jobs."""
+    study = str(then.get("study", ""))  # an earlier version's is its path
+    then = {
+        **then,
+        "study": study_name(study),
+        "files": as_seen_from(study, then.get("files", {})),
+    }
     found = [
         f"{name}: {then.get(name)!r} then, {now[name]!r} now"
         for name in ("study", "members", "version", "core")
         if then.get(name) != now[name]
         and not (name == "core" and same_core(then.get(name)) and same_core(now[name]))
     ]
-    before, after = then.get("files", {}), now["files"]
+    before, after = then["files"], now["files"]
     before = {key: text for key, text in before.items() if key not in ABANDONED}
     for key in sorted({*before, *after}):
         if before.get(key) == after.get(key):

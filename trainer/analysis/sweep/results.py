@@ -1,5 +1,6 @@
 """The results of a sweep: batches as Parquet in a folder, then one file."""
 
+import contextlib
 import json
 import os
 import shutil
@@ -13,6 +14,7 @@ import numpy as np
 from trainer.analysis.sweep.job import Batch, Job, Opened, differences
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
+from trainer.io.file_lock import holding
 
 ROWS: Final = 65_536  # of a row group of the result
 MEMBER, SEED, TROUBLE = "member", "seed", "trouble"
@@ -101,6 +103,7 @@ def facts_of(table: Any) -> dict[str, Any]:
 
 
 MANIFEST: Final = "manifest.json"
+LOCK: Final = "lock"  # held by the process that writes there
 
 
 @dataclass(frozen=True)
@@ -140,6 +143,21 @@ class Parts:
 def folder_of(out: Path) -> Path:
     """Return where the finished members of a result are while it grows."""
     return out.with_name(f"{out.name}.parts")
+
+
+@contextlib.contextmanager
+def writing_alone(out: Path) -> Iterator[None]:
+    """Let no other sweep write a result inside the block; ConfigError if one does already."""
+    folder = folder_of(out)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with contextlib.ExitStack() as lock:
+            if other := lock.enter_context(holding(folder / LOCK)):
+                text = f"another sweep writes it, process {other}: wait for it, or give --out"
+                raise ConfigError(f"{out}: {text} another name")
+            yield
+    except OSError as error:
+        raise ConfigError(f"{folder}: cannot be written: {error.strerror or error}") from None
 
 
 def take_up(job: Job, schema: Any, chunks: int, out: Path) -> Parts:

@@ -9,7 +9,7 @@ from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.analysis.sweep.job import Batch, Job, fly_chunk, open_job
+from trainer.analysis.sweep.job import Batch, Job, Opened, fly_chunk, open_job
 from trainer.analysis.sweep.results import (
     folder_of,
     join_parts,
@@ -17,6 +17,7 @@ from trainer.analysis.sweep.results import (
     schema_of,
     take_up,
     write,
+    writing_alone,
 )
 from trainer.analysis.workers import workers
 from trainer.config.extras import require_library
@@ -120,9 +121,17 @@ def carry_out(job: Job, crew: Crew, out: Path, progress: Progress) -> Any:
     """
     ready = open_job(job)
     there = result_of(job, out)
-    if there is not None:
-        progress(ready.members)
-        return there
+    if there is None:
+        with writing_alone(out):
+            there = result_of(job, out)  # who wrote there before may have finished
+            if there is None:
+                return _fly_missing(job, ready, crew, out, progress)
+    progress(ready.members)
+    return there
+
+
+def _fly_missing(job: Job, ready: Opened, crew: Crew, out: Path, progress: Progress) -> Any:
+    """Return the result of a study whose chunks are in part there; ConfigError if it cannot be."""
     schema = schema_of(ready)
     parts = take_up(job, schema, ready.chunks, out)
     done = parts.finished()
