@@ -201,8 +201,8 @@ def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves(make_boat: Make
     boat.start(5.0 * KNOT, 60.0, 0.0)
     put_on(boat, None)
     deep = sentences(boat)
-    assert {"INDBT,1", "INDPT,6"} < set(deep)
-    assert not any(name.startswith(("SD", "INXDR,D")) for name in deep)
+    assert deep["INXDR,D"].startswith("$INXDR,D,60.00,M,DEPTH*")
+    assert not any(name[2:5] in ("DBT", "DPT") for name in deep)
 
     put_on(boat, ground(depth_m=100))
     told = sentences(boat)

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
+from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io import nmea
 from trainer.io.chart import DEFAULT, Chart, chart_at
@@ -29,6 +30,7 @@ from trainer.session.nmea.orders import (
     Useless,
     meaning,
 )
+from trainer.session.nmea.outlets import parse_names
 from trainer.session.nmea.readings import WIDEST
 from trainer.session.nmea.sentences import (
     INSTRUMENTS,
@@ -72,6 +74,7 @@ def told(boat: Boat, chart: Chart = DEFAULT) -> dict[str, tuple[str, ...]]:
         assert isinstance(heard, nmea.Sentence)
         name = heard.talker + heard.formatter
         page = heard.fields[0] if name == "PXSC" else ""
+        page = "DEPTH" if heard.fields[-1] == "DEPTH" else page
         fields[name + page if page or name not in fields else f"{name}2"] = heard.fields
     return fields
 
@@ -231,6 +234,22 @@ def test_above_the_surface_depth_is_nought_and_altitude_is_not() -> None:
 def test_sentences_are_chosen_by_name_and_sent_in_their_order() -> None:
     assert [each.address for each in choose_instruments(["HDT", "RMC"])] == ["INRMC", "INHDT"]
     assert len(choose_instruments(["XDR"])) == 3
+
+
+def test_the_boat_s_own_depth_is_no_sounding_unless_it_is_asked_for() -> None:
+    boat = under_way()
+
+    def sent(names: str | None) -> dict[str, str]:
+        shown = InstrumentSet(choose_instruments(parse_names(names)), DEFAULT, START)
+        return {line[1:6]: line for line in shown.lines(seen(boat))}
+
+    usual = sent(None)
+    assert not [address for address in usual if address.endswith(("DBT", "DPT"))]
+    assert sent("DBT,DPT") == {}
+    assert float(told(boat)["INXDRDEPTH"][1]) == pytest.approx(boat.state.z, abs=0.0051)
+    assert sent("INDPT,INDBT")["INDPT"].startswith(f"$INDPT,{boat.state.z:.2f},0.0,*")
+    with pytest.raises(ConfigError, match="nearest is INDPT"):
+        parse_names("IMDPT")
 
 
 def test_a_file_has_a_set_at_the_rate_of_the_boats_time_and_one_when_time_goes_back() -> None:

@@ -273,7 +273,7 @@ def test_pynmea2_reads_every_sentence_of_ten_minutes_and_it_is_the_state(
         assert said["INRMC"].latitude == pytest.approx(latitude, abs=1.1e-7)
         assert said["INRMC"].longitude == pytest.approx(longitude, abs=1.1e-7)
         assert off(float(said["INHDT"].heading), math.degrees(row["psi"])) < 0.0051
-        assert float(said["INDPT"].depth) == pytest.approx(row["z"], abs=0.0051)
+        assert float(said["INGGA"].altitude) == pytest.approx(-row["z"], abs=0.0051)
         assert float(said["INVHW"].water_speed_knots) == pytest.approx(row["u"] / KNOT, abs=0.0051)
         assert said["PASH"].pitch == pytest.approx(math.degrees(row["theta"]), abs=0.0051)
         assert said["PASH"].roll == pytest.approx(math.degrees(row["phi"]), abs=0.0051)
@@ -347,14 +347,14 @@ def test_gpsd_rejects_nothing_and_reports_every_tick_as_it_was(kept: Kept) -> No
     assert "ERR" not in said
     reports = [json.loads(line) for line in said.splitlines() if line.startswith("{")]
     attitudes = [report for report in reports if report["class"] == "ATT"]
-    fixes = {report["time"]: report for report in reports if "depth" in report}
-    assert len(attitudes) == len(fixes) == len(kept.rows)
-    for report, attitude, row in zip(fixes.values(), attitudes, kept.rows, strict=True):
+    fixes = [report for report in reports if report["class"] == "TPV" and "lat" in report]
+    assert not [report for report in reports if "depth" in report]  # no echo, no depth of water
+    assert len(attitudes) == len(kept.rows) == len(fixes) + 1  # the first set shows where sets end
+    for report, attitude, row in zip(fixes, attitudes[1:], kept.rows[1:], strict=True):
         latitude, longitude = place_of(row)
         assert (report["mode"], report["status"]) == (3, 5)  # dead reckoning
         assert report["lat"] == pytest.approx(latitude, abs=1.1e-7)
         assert report["lon"] == pytest.approx(longitude, abs=1.1e-7)
-        assert report["depth"] == pytest.approx(row["z"], abs=0.0051)
         assert report["altMSL"] == pytest.approx(-row["z"], abs=0.0051)
         assert off(attitude["heading"], math.degrees(row["psi"])) < 0.0051
         assert attitude["pitch"] == pytest.approx(math.degrees(row["theta"]), abs=0.0051)
@@ -410,8 +410,9 @@ def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(
             wanted = {(kind, way) for kind in ("TPV", "ATT") for way in (udp, os.ttyname(gps_far))}
             for report in itertools.islice(watched(port), 400):
                 kind, way = report["class"], report.get("device")
-                if kind == "TPV" and "depth" in report:
-                    assert report["depth"] == pytest.approx(60.0, abs=1.0)
+                if kind == "TPV" and "altMSL" in report:
+                    assert report["altMSL"] == pytest.approx(-60.0, abs=1.0)
+                    assert "depth" not in report
                     assert report["lat"] == pytest.approx(25.0, abs=0.01)
                     wanted.discard((kind, way))
                 elif kind == "ATT":

@@ -99,6 +99,17 @@ def read(lines: list[str]) -> list[dict[str, Any]]:
     return found
 
 
+def test_both_parts_of_a_small_ship_s_name_come_on_one_channel_and_not_always_the_same(
+    sail: Callable[..., Sailed],
+) -> None:
+    lines = sail(17.5).heard(3600.0, every=10.0)
+    single = [line for line in lines if line.split(",")[1] == "1"]
+    channels = [line.split(",")[4] for line in single if read([line])[0]["msg_type"] == 24]
+    assert len(channels) == 20
+    assert channels[::2] == channels[1::2]
+    assert set(channels) == {"A", "B"}
+
+
 def test_each_ship_reports_as_often_as_the_standard_has_it(sail: Callable[..., Sailed]) -> None:
     told = Counter((each["mmsi"], each["msg_type"]) for each in read(sail(17.5).heard(720.0)))
     assert told == {

@@ -192,7 +192,7 @@ def instruments(*, sample: bool, as_json: bool) -> None:
     \b
     Example:  trainer instruments --sample
               trainer run --nmea udp://127.0.0.1:10110
-              trainer serve --nmea /dev/ttyUSB0 --nmea-baud 4800 --nmea-sentences HDT,DPT,ROT
+              trainer serve --nmea /dev/ttyUSB0 --nmea-baud 4800 --nmea-sentences HDT,XDR,ROT
     """
     import json  # noqa: PLC0415
 

@@ -222,7 +222,7 @@ nmea_options = together(
         "--nmea-sentences",
         default=None,
         metavar="NAMES",
-        help="Only these, such as RMC,HDT,DPT. [default: all]",
+        help="Only these, such as RMC,HDT,XDR. [default: all but VDR,VBW,INDBT,INDPT]",
     ),
     click.option(
         "--nmea-orders",

@@ -14,6 +14,7 @@ from typing import Final, NamedTuple
 from trainer.io.orders.sentences import checksum
 
 BITS: Final = 6  # of a character
+CHANNELS: Final = "AB"
 LONGEST: Final = 60  # [characters] of the payload of one sentence
 POSITION_A, STATIC_A, POSITION_B, STATIC_B = 1, 5, 18, 24
 SPEED_NONE, COURSE_NONE, HEADING_NONE, TURN_NONE = 1023, 3600, 511, -128

@@ -7,7 +7,13 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import VesselFile
 from trainer.io.chart import DEFAULT
-from trainer.session.nmea.sentences import INSTRUMENTS, Instrument, InstrumentSet
+from trainer.session.nmea.sentences import (
+    INSTRUMENTS,
+    USUAL,
+    Instrument,
+    InstrumentSet,
+    choose_instruments,
+)
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
@@ -60,4 +66,4 @@ def sample(file: VesselFile) -> list[str]:
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
     lookout = StateReader(boat, Ledger(boat.method.step).summary)
     frame = lookout.frame(Picture(0, boat.records.state.tobytes(), Pace()))
-    return InstrumentSet(INSTRUMENTS, DEFAULT, NOON).lines(frame)
+    return InstrumentSet(choose_instruments(USUAL), DEFAULT, NOON).lines(frame)

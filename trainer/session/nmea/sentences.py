@@ -20,6 +20,7 @@ from trainer.session.stations.view import Frame
 
 TALKER: Final = "IN"
 SOUNDER: Final = "SD"  # the talker of echo sounders
+BOAT_DEPTHS: Final = ("INDBT", "INDPT")  # the boat's own depth as if it were a sounding
 GAUGES: Final = "as the gauges show it"
 TRUE: Final = "navigation system: true"
 
@@ -33,17 +34,23 @@ class Instrument:
     fields: tuple[str, ...]
     source: str
     read: Callable[[Readings], tuple[str, ...]]
-    ground: bool | None = None  # sent with a ground alone, or without one alone
+    ground: bool = False  # sent only where there is a ground
     asked: bool = False  # sent only where it is named
 
     @property
     def name(self) -> str:
-        """Return what the sentence is chosen by: its formatter, or a maker's whole address."""
+        """Return what the sentence is chosen by: its formatter, or its whole address.
+
+        A maker's own has no other. The boat's depth is not to be had by the name of a sounding,
+        since every display shows it as the depth of the water.
+        """
+        if self.address in BOAT_DEPTHS:
+            return self.address
         return self.address.removeprefix(TALKER).removeprefix(SOUNDER)
 
     def fits(self, seen: Readings) -> bool:
         """Return whether the sentence is one of a tick's set."""
-        return self.ground is None or self.ground is (seen.keel is not None)
+        return seen.keel is not None or not self.ground
 
     def sentence(self, seen: Readings) -> str:
         """Return the sentence of a tick."""
@@ -84,11 +91,11 @@ INSTRUMENTS: Final = (
     ),
     Instrument(
         "INDBT",
-        "the boat's depth, in a sea without a ground",
+        "the boat's depth, as if it were a sounding",
         ("depth [ft]", "f", "depth [m]", "M", "depth [fathom]", "F"),
         GAUGES,
         lambda s: tell.depth(max(s.depth, 0.0)),
-        ground=False,
+        asked=True,
     ),
     Instrument(
         "SDDBT",
@@ -117,11 +124,11 @@ INSTRUMENTS: Final = (
     ),
     Instrument(
         "INDPT",
-        "the boat's depth, in a sea without a ground",
+        "the boat's depth, as if it were a sounding",
         ("depth [m]", "0.0", "-"),
         GAUGES,
         lambda s: (number(max(s.depth, 0.0), 2), "0.0", ""),
-        ground=False,
+        asked=True,
     ),
     Instrument(
         "SDDPT",
@@ -207,11 +214,10 @@ INSTRUMENTS: Final = (
     ),
     Instrument(
         "INXDR",
-        "the boat's depth, where there is a ground",
+        "the boat's depth",
         ("D", "depth [m]", "M", "DEPTH"),
         GAUGES,
         lambda s: ("D", number(s.depth, 2), "M", "DEPTH"),
-        ground=True,
     ),
     Instrument(
         "INXDR",

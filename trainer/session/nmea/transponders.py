@@ -7,6 +7,7 @@ antenna is out of the water, and as far as the heights of both antennas let it b
 import math
 from collections.abc import Iterator
 from datetime import datetime, timedelta
+from itertools import cycle
 from typing import Final
 
 from trainer.boat.depths import RAISED
@@ -71,6 +72,9 @@ def slot(time: float, every: float, share: float) -> int:
     return math.floor(time / every - share)
 
 
+Messages = tuple[list[Field], ...]
+
+
 class Transponders:
     """The sentences of all ships that are heard, as time goes on."""
 
@@ -79,6 +83,7 @@ class Transponders:
         self._chart, self._start = chart, start
         self._last: float | None = None  # [s]
         self._sequence = 0
+        self._channels = cycle(ais.CHANNELS)
 
     def lines(self, frame: Frame) -> list[str]:
         """Return what has been sent since the last frame; nothing where time has gone back."""
@@ -91,26 +96,33 @@ class Transponders:
             line
             for ship in contacts.seen(frame.tick)
             if ship.mmsi is not None and audible(ship, frame, height)
-            for fields in self._due(ship, before, now)
-            for line in self._sentences(fields)
+            for messages in self._due(ship, before, now)
+            for line in self._sentences(messages)
         ]
 
-    def _due(self, ship: Seen, before: float, now: float) -> Iterator[list[Field]]:
-        """Yield the messages of a ship that are due."""
+    def _due(self, ship: Seen, before: float, now: float) -> Iterator[Messages]:
+        """Yield what of a ship is due, a message or the two parts of one."""
         share = (ship.mmsi or 0) * GOLDEN % 1.0
         small = TYPES[ship.type].small
         every = interval(ship)
         if slot(now, every, share) > slot(before, every, share):
             seen = self._report(ship, now)
-            yield ais.position_b(seen) if small else ais.position_a(seen)
+            yield (ais.position_b(seen) if small else ais.position_a(seen),)
         if slot(now, STATIC, share) > slot(before, STATIC, share):
             told = particulars(ship)
-            yield from ais.static_b(told) if small else (ais.static_a(told),)
+            yield ais.static_b(told) if small else (ais.static_a(told),)
 
-    def _sentences(self, fields: list[Field]) -> list[str]:
-        """Return the sentences of a message, on the two channels in turn."""
-        self._sequence = (self._sequence + 1) % 10
-        return ais.sentences(fields, "AB"[self._sequence % 2], self._sequence)
+    def _sentences(self, messages: Messages) -> list[str]:
+        """Return the sentences of messages, on the two channels in turn.
+
+        Parts go out on one: readers join what comes on the same channel.
+        """
+        channel = next(self._channels)
+        found = []
+        for fields in messages:
+            self._sequence = (self._sequence + 1) % 10
+            found += ais.sentences(fields, channel, self._sequence)
+        return found
 
     def _report(self, ship: Seen, now: float) -> Report:
         """Return what a ship tells of a moment."""
