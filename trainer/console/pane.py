@@ -6,6 +6,7 @@ Every drawing is a function to lines. An ink is a name; what is said by an ink i
 a sign as well, so that a screen without colour lacks nothing.
 """
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Final, NamedTuple
 
@@ -28,6 +29,9 @@ class Ink(NamedTuple):
     ground: str
     bold: bool = False
 
+
+NUMBER: Final = re.compile(r"[-+]?[0-9]+(?:[.,:/][0-9]+)*(?:e[-+]?[0-9]+)?")
+HIDDEN: Final = "#"  # in place of each sign of a number that has no room
 
 GROUND: Final = "#0c1419"
 RAISED: Final = "#16222a"
@@ -65,14 +69,33 @@ def length(drawn: Line) -> int:
 
 
 def cut(drawn: Line, width: int) -> Line:
-    """Return the line, at most ``width`` columns of it."""
+    """Return the line, at most ``width`` columns of it.
+
+    A number that goes on beyond them becomes ``#``: a part of it would read as another number.
+    """
+    begin = cut_number(drawn, width)
     kept: list[Run] = []
+    used = 0
     for text, ink in drawn:
-        if width <= 0:
+        if used >= width:
             break
-        kept.append((text[:width], ink))
-        width -= len(text)
+        seen = text[: width - used]
+        whole = min(max(begin - used, 0), len(seen))
+        kept.append((seen[:whole] + HIDDEN * (len(seen) - whole), ink))
+        used += len(text)
     return tuple(kept)
+
+
+def cut_number(drawn: Line, width: int) -> int:
+    """Return the column where a number begins that a cut would go through, else the cut's."""
+    text = "".join(part for part, _ in drawn)
+    through = (each for each in NUMBER.finditer(text) if each.start() < width < each.end())
+    return next((each.start() for each in through), width)
+
+
+def first_fitting(width: int, *choices: Line) -> Line:
+    """Return the first line that ``width`` columns hold whole, the last one where none is."""
+    return next((each for each in choices if length(each) <= width), choices[-1])
 
 
 def fit(drawn: Line, width: int, ink: str = "plain") -> Line:

@@ -97,13 +97,15 @@ def time_axis(span: float, columns: int) -> Line:
     """Return marks of time below a chart, with the present at the right end."""
     step = next((s for s in TICKS if s / span * (columns - 1) >= APART), TICKS[-1])
     signs = ["─"] * columns
+    taken = columns - 1  # from there on there is text, or the end
     for k in range(int(span / step) + 1):
         column = columns - 1 - round(k * step / span * (columns - 1))
         signs[column] = "┴"
         text = "now" if k == 0 else ago(k * step)
         start = column - len(text) if k == 0 else column + 1
-        if start >= 0 and start + len(text) < columns:
+        if start >= 0 and start + len(text) <= taken:
             signs[start : start + len(text)] = text
+            taken = min(start, column)
     return line((f"{'':>{SCALE}}└{''.join(signs)}", "dim"))
 
 

@@ -62,9 +62,12 @@ class Gauge(NamedTuple):
 
 def dial(model: SessionModel, gauge: Gauge, room: int) -> Lines:
     """Return a large number with its label, and what is ordered below it."""
+    rows = large(gauge.text)
+    if len(rows[0]) >= room:  # half a digit is another
+        rows = "", gauge.text, ""
     return [
         line((f" {gauge.label}", "heading"), (f"  {gauge.unit}  {gauge.rate}", "heading-dim")),
-        *(line((f" {row}", "value")) for row in large(gauge.text)),
+        *(line((f" {row}", "value")) for row in rows),
         beside(model, gauge.axis, gauge.automatic, room),
     ]
 

@@ -138,12 +138,14 @@ def ship_row(model: SessionModel, name: str) -> Line:
     until = told["tcpa"]
     when = "past" if until is not None and until < 0.0 else number(until, 0)
     return line(
-        (f" {picture.word('contacts', name)[:9]:<9}", "value"),
+        (" ", "value"),
+        *fit(line((picture.word("contacts", name), "value")), SHIP_NAME),
         f" {course(told['bearing']):>3} {number(told['range'], 0):>6}"
         f" {course(told['course']):>3} {number(told['speed'], 0):>2}"
         f" {number(told['cpa'], 0):>5} {when:>4}",
     )
 
 
+SHIP_NAME = 9  # [columns]
 SHIP_PARTS = ("bearing", "range", "course", "speed", "cpa", "tcpa")
 SHIPS = " ship      brg  range crs kn   cpa  sec"

@@ -8,7 +8,7 @@ from trainer.console.drawing.chart import Sheet
 from trainer.console.drawing.crew_orders import crew_line
 from trainer.console.drawing.values import NONE, attitude, bell, course, number, surface, without
 from trainer.console.model import SessionModel
-from trainer.console.pane import Line, Lines, beside, fit, line
+from trainer.console.pane import Line, Lines, beside, first_fitting, fit, line
 
 LEFT = 27  # [columns] of what the boat does; the rest is what it is told to
 TANKS = (
@@ -29,16 +29,16 @@ def state(model: SessionModel, width: int, _height: int) -> Lines:
         (depth(model), plane(model, "rudder", "steering")),
         (heading(model), plane(model, "stern", "diving")),
         (speed(model), plane(model, "bow", "diving")),
-        (pitch(model), engine(model)),
+        (pitch(model), engine(model, width - LEFT)),
         (heel(model), weight(model)),
     ]
     lines = [(*fit(left, LEFT), *right) for left, right in rows]
-    return [fit(each, width) for each in (*lines, *low(model), crew_line(model, width))]
+    return [fit(each, width) for each in (*lines, *low(model, width), crew_line(model, width))]
 
 
-def low(model: SessionModel) -> Lines:
+def low(model: SessionModel, width: int) -> Lines:
     """Return tanks, air, the sea and casualties, a line each."""
-    return [tanks(model), air(model), sea(model), casualty_names(model)]
+    return [tanks(model, width), air(model), sea(model), casualty_names(model)]
 
 
 def interpolate(model: SessionModel, name: str) -> float | None:
@@ -59,7 +59,7 @@ def false(model: SessionModel, name: str) -> str:
         return ""
     apart = abs(shown - true)
     apart = min(apart, 360.0 - apart) if name == "heading" else apart
-    return f"  GAUGE {number(shown)}" if apart > APART else ""
+    return f"GAUGE {number(shown)}" if apart > APART else ""
 
 
 def depth(model: SessionModel) -> Line:
@@ -86,7 +86,10 @@ def speed(model: SessionModel) -> Line:
 def misread(model: SessionModel, name: str, told: Line) -> Line:
     """Return a value. The crew's gauge stands in place of the order, if it is false."""
     wrong = false(model, name)
-    return (*told[:2], (wrong, "warning")) if wrong else told
+    if not wrong:
+        return told
+    choices = [(*told[:2], (f"{gap}{wrong}", "warning")) for gap in ("  ", " ")]
+    return first_fitting(LEFT, *choices)
 
 
 def pitch(model: SessionModel) -> Line:
@@ -116,19 +119,19 @@ def plane(model: SessionModel, name: str, channel: str) -> Line:
     )
 
 
-def engine(model: SessionModel) -> Line:
-    """Return bell, or that speed is kept, and revolutions."""
+def engine(model: SessionModel, room: int) -> Line:
+    """Return bell, or that speed is kept, and revolutions, whose numbers outlast the labels."""
     picture = model.picture
     rung = bell(picture.word("engine", "bell"))
     kept = "auto" if picture.word("engine", "speed_mode") == "auto" else "turns"
     rpm, ordered = (picture.number("engine", name) for name in ("rpm", "ordered_rpm"))
-    return line(
-        ("bell ", "dim"),
-        (rung or kept, "value"),
-        (" rpm ", "dim"),
-        (number(rpm, 0), "value"),
-        (f" > {number(ordered, 0)}", "ordered"),
+    numbers = line((number(rpm, 0), "value"), (f" > {number(ordered, 0)}", "ordered"))
+    labels = (
+        line(("bell ", "dim"), (rung or kept, "value"), (" rpm ", "dim")),
+        line((rung or kept, "value"), (" rpm ", "dim")),
+        line(("rpm ", "dim")),
     )
+    return first_fitting(room, *((*label, *numbers) for label in labels))
 
 
 def weight(model: SessionModel) -> Line:
@@ -140,15 +143,16 @@ def weight(model: SessionModel) -> Line:
     return line(("weight ", "dim"), (f"{abs(heavy):.1f}{side or ' t, in trim'}", "value"))
 
 
-def tanks(model: SessionModel) -> Line:
-    """Return how full the tanks are [%]."""
+def tanks(model: SessionModel, room: int) -> Line:
+    """Return how full the tanks are [%]; where all are full, their label gives way."""
     if model.picture.number("tanks", "auxiliary") is None:
         return line((" tanks  ", "dim"), without(model.picture, "tanks", "this boat has none"))
-    parts = [(" tanks ", "dim")]
+    parts = []
     for says, names in TANKS:
-        shares = "/".join(full(model, name) for name in names)
-        parts += [(f" {says} ", "dim"), (shares, "plain")]
-    return line(*parts, (" %", "dim"))
+        told = "/".join(full(model, name) for name in names)
+        parts += [(f" {says} ", "dim"), (told, "plain")]
+    shares = line(*parts, (" %", "dim"))
+    return first_fitting(room, line((" tanks ", "dim"), *shares), shares)
 
 
 def full(model: SessionModel, tank: str) -> str:
