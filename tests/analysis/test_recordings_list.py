@@ -8,6 +8,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import platformdirs
 import pytest
 from helpers.recorded import record
 
@@ -214,6 +215,24 @@ def test_the_last_recording_is_that_written_last(
     for name in ("b", "a"):
         (folder / f"{name}.trainer").write_bytes(kept.read_bytes())
     assert latest().name == "a.trainer"
+
+
+def test_recordings_are_where_the_system_keeps_them_and_stay_where_they_were(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ours, mac = "submarine-trainer", tmp_path / "Library"
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "named"))
+    assert recordings_folder() == tmp_path / "named" / ours / "recordings"
+    monkeypatch.delenv("XDG_STATE_HOME")
+    usual = tmp_path / ".local" / "state" / ours / "recordings"
+    if sys.platform == "linux":
+        assert recordings_folder() == usual
+
+    monkeypatch.setattr(platformdirs, "user_state_path", lambda name, **_: mac / name)
+    assert recordings_folder() == mac / ours / "recordings"
+    usual.mkdir(parents=True)
+    assert recordings_folder() == usual
 
 
 # History

@@ -234,16 +234,25 @@ speed_kn = 18
 """
 
 
-def test_ships_and_the_ground_near_are_drawn(tmp_path: Path) -> None:
+def test_ships_the_ground_near_and_the_periscope_s_mast_are_drawn(tmp_path: Path) -> None:
     (tmp_path / "around.toml").write_text(AROUND)
     order = "30 contact add tug1 tug at 500 -500 course 180 speed 6\n"
-    (tmp_path / "orders.txt").write_text(order)
+    (tmp_path / "orders.txt").write_text(f"10 scope raise\n{order}40 scope lower\n")
     words = ("run", "./around.toml", "--headless", "--speed", "max", "--orders", "orders.txt")
     done = trainer(*words, "--record", "run.trainer", "--rrd", "live.rrd", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     export_file(tmp_path / "run.trainer", {"rrd": tmp_path / "exported.rrd"}, None)
     found = contents(tmp_path / "exported.rrd")
     assert comparable(contents(tmp_path / "live.rrd")) == comparable(found)
+
+    mast = column(found, "/world/boat/mast", ":translation")
+    (head,) = found["/world/boat/mast/shape"]["Mesh3D:vertex_positions"].values()
+    assert min(point[2] for point in head) == pytest.approx(-8.0)  # all that it comes out
+    down = mast[0.0][0][2]
+    assert mast[0.0][0][0] == 6.0
+    out = [down - mast[when][0][2] for when in (14.0, 18.0, 42.0, 48.0)]
+    assert out == pytest.approx([4.0, 8.0, 6.0, 0.0], abs=1e-5)
+    assert set(mast) == {0.0, *np.arange(10.5, 18.5, 0.5), *np.arange(40.5, 48.5, 0.5)}
 
     ships = column(found, "/world/ships", ":positions")
     assert list(ships)[:3] == [0.0, 1.0, 2.0]

@@ -9,6 +9,8 @@ from itertools import count
 from pathlib import Path
 from typing import Final
 
+import platformdirs
+
 HOST: Final = "127.0.0.1"
 PORT: Final = 17800
 PAGES: Final = 17880  # the port of stations in a browser
@@ -60,9 +62,15 @@ def left_address() -> tuple[str, str]:
 
 
 def recordings_folder() -> Path:
-    """Return where recordings are kept unless told otherwise."""
-    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
-    return Path(state) / _OURS / "recordings"
+    """Return where recordings are kept unless told otherwise: as the system has it.
+
+    Where ``XDG_STATE_HOME`` says, or an earlier version kept them, they stay.
+    """
+    named = os.environ.get("XDG_STATE_HOME")
+    earlier = Path(named or Path.home() / ".local" / "state") / _OURS  # of all systems, once
+    here = named or earlier.is_dir()
+    folder = earlier if here else platformdirs.user_state_path(_OURS, appauthor=False)
+    return folder / "recordings"
 
 
 def recording_paths(name: str) -> Iterator[Path]:

@@ -1,4 +1,4 @@
-"""The scene: the boat, its moving surfaces, its track, sea, ground, ships, depths that count.
+"""The scene: the boat, its surfaces and mast, its track, sea, ground, ships, depths that count.
 
 The world is north, east and down [m], with its origin where the run's is. What surrounds the boat
 follows the boat in whole squares of its grid, so that the boat is seen to move through it.
@@ -13,16 +13,18 @@ from numpy.typing import NDArray
 
 from trainer.boat.world.bottom import ground_under
 from trainer.boat.world.contacts import Seen, contacts_in
+from trainer.boat.world.scope import periscope_of
 from trainer.config.bottom import Bottom, depths_at
 from trainer.core.kernel import Numbers
 from trainer.session.rerun.batch import Block, Changes, Subject, Track
 from trainer.session.rerun.charts import depth_kept
 from trainer.session.rerun.outlet import Outlet
 from trainer.session.rerun.sdk import rr
-from trainer.session.rerun.shape import Mesh, fins_of, hull_mesh, sail_mesh, size_of
+from trainer.session.rerun.shape import Mesh, fins_of, hull_mesh, mast_mesh, sail_mesh, size_of
 from trainer.units import KNOT
 
 WORLD, BOAT, FOLLOWER, TRACK = "world", "world/boat", "world/follower", "world/track"
+MAST = "world/boat/mast"
 NEAR, SEA, ORDERED = "world/near", "world/near/sea", "world/near/ordered"
 GROUND, SHIPS, COURSES = "world/near/ground", "world/ships", "world/ships/courses"
 SQUARES: Final = 6  # of the grid, from the boat to the end of the sea
@@ -54,6 +56,7 @@ class Scene:
         self._changes = Changes()
         self._track = Track(self._size.length / FINE)
         self._ground = ground_under(subject.boat)
+        self._scope = periscope_of(subject.boat)
         self._every = max(round(DRAWN / subject.step), 1)  # ticks
 
     def begin(self) -> None:
@@ -66,6 +69,9 @@ class Scene:
             fix(f"{BOAT}/sail", draw_mesh(sail_mesh(size, size.sail), SAIL))
         for fin in self._fins:
             fix(f"{BOAT}/{fin.name}/shape", draw_mesh(fin.mesh, MOVING))
+        if self._scope and self._scope.fitted:
+            extension = self._scope.fitted.extension_m
+            fix(f"{MAST}/shape", draw_mesh(mast_mesh(size, extension), MOVING))
         self._begin_surroundings()
 
     def write(self, block: Block) -> None:
@@ -83,6 +89,7 @@ class Scene:
                 quaternion=half_turned(fin.outward, angle[rows]),
             )
             self._send(f"{BOAT}/{fin.name}", block, rows, columns)
+        self._write_mast(block)
         for times, strips in self._track.pieces(block):
             colours = np.full(len(strips), colour_code(WAKE), np.uint32)
             radii = np.full(len(strips), 0.004 * self._size.length)
@@ -90,6 +97,17 @@ class Scene:
             send(TRACK, times, columns)
         self._write_surroundings(block, place)
         self._write_ships(block)
+
+    def _write_mast(self, block: Block) -> None:
+        """Show how far the periscope's mast is out of the sail."""
+        if self._scope is None or self._scope.fitted is None:
+            return
+        ticks = block.times.ticks.tolist()
+        heads = [self._scope.head(self._scope.at(tick)) for tick in ticks]
+        extension = self._scope.fitted.extension_m
+        feet = np.array([(x, 0.0, z + extension) for x, z in heads]).reshape(-1, 3)
+        rows = self._changes.of(MAST, feet)
+        self._send(MAST, block, rows, rr.Transform3D.columns(translation=feet[rows]))
 
     def _send(self, path: str, block: Block, rows: Any, columns: Any) -> None:
         if rows.any():

@@ -20,6 +20,7 @@ RINGS, AROUND = 33, 32  # of the hull's mesh
 NOSE, TAIL = 0.17, 0.36  # [-] of the length: the rounded nose, the tapering tail
 PRISMATIC: Final = 0.8  # [-] volume of a hull over that of its cylinder
 SAIL_CHORD, SAIL_BREADTH = 0.15, 0.25  # [-] of the length, of the beam
+MAST_CHORD: Final = 0.008  # [-] of the length: a mast with its fairing
 FIN_CHORD, FIN_THICKNESS = 0.055, 0.12  # [-] of the length, of the chord
 FOIL: Final = 12  # points along each side of a foil
 SQRT_HALF: Final = math.sqrt(0.5)
@@ -135,6 +136,12 @@ def hull_mesh(size: Size) -> Mesh:
 def sail_mesh(size: Size, sail: Sail) -> Mesh:
     """Return the sail, its foot inside the hull."""
     return _foil(sail.chord, sail.breadth, size.axis - sail.top, sail.x, (0.0, 0.0, sail.top))
+
+
+def mast_mesh(size: Size, extension: float) -> Mesh:
+    """Return a periscope's mast, its foot in the origin and its head so far [m] above."""
+    chord = MAST_CHORD * size.length
+    return _foil(chord, 0.5 * chord, extension, 0.0, (0.0, 0.0, -extension))
 
 
 def fins_of(boat: Boat, size: Size) -> tuple[Fin, ...]:
