@@ -116,7 +116,7 @@ class WorldOrder(NamedTuple):
     before: "WorldOrder | None"
 
 
-WorldOrders = list[tuple[int, Order]]  # each with its tick
+WorldOrders = Sequence[tuple[int, Order]]  # each with its tick
 
 
 def world_orders(latest: WorldOrder | None) -> WorldOrders:
@@ -234,7 +234,7 @@ class History:
             self.place = entry.place + 1
 
     def read_world_orders(self, branch: int) -> None:
-        """Read the orders to the world that led to a branch; those given here are known."""
+        """Read the orders to the world that led to a branch."""
         latest = None
         for entry in self.recording.orders(branch):
             latest = to_world(entry, latest)
