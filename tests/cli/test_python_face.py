@@ -215,7 +215,7 @@ def test_a_later_moment_has_its_ships_and_its_words_again_after_an_earlier_one()
     boat.restore(later)
 
     assert boat.order("contact blue course 180") == "contact blue course 180"
-    assert boat.order("belay") == "order course cleared"
+    assert boat.order("belay") == "no longer ordered: course 045"
 
 
 def test_another_boat_s_moment_is_refused() -> None:

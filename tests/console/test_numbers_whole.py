@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import pairwise
 
 import pytest
@@ -84,6 +85,10 @@ def figures(lines: Lines) -> set[str]:
 Drawing = Callable[[SessionModel, int, int], Lines]
 
 
+def title_of_chart(number: int, model: SessionModel, width: int, height: int) -> Lines:
+    return strip(number, model, 60.0, width, height)[:1]
+
+
 def drawings(post: Layout) -> Iterator[Drawing]:
     """Yield all that is drawn for a role but the charts' and the track's own scales."""
     yield panels.top
@@ -92,7 +97,7 @@ def drawings(post: Layout) -> Iterator[Drawing]:
         if place.name != "plan":
             yield place.draw
     for number in range(len(post.charts)):
-        yield lambda model, width, height, n=number: strip(n, model, 60.0, width, height)[:1]
+        yield partial(title_of_chart, number)
 
 
 @pytest.mark.parametrize("role", LAYOUTS)

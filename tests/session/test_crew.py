@@ -520,6 +520,21 @@ def test_a_pump_s_order_is_reported_to_everybody_when_it_is_done(crew: Make) -> 
     assert here.heard("helm") == []
 
 
+def test_a_pump_that_still_works_where_a_replay_ends_is_reported_when_it_is_done(
+    crew: Make,
+) -> None:
+    here = crew().man("instructor", "ballast").fly(2.0)
+    here.say("ballast", "flood depth-control 0.5")
+    here.fly(3.0)
+    here.say("instructor", "replay 4 s")
+    here.fly(4.5)
+    assert here.session.history.rerun is None
+    here.session.time.pacer.run()
+    here.fly(20.0)
+    told = [line for line in here.heard("instructor") if "reports" in line]
+    assert told == ["ballast reports: depth control: 0.5 t in"]
+
+
 def test_what_the_instructor_pumps_is_reported_to_nobody_else(crew: Make) -> None:
     here = crew().man("instructor", "ballast")
     here.say("instructor", "flood auxiliary 0.3")

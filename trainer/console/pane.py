@@ -87,7 +87,7 @@ def cut(drawn: Line, width: int) -> Line:
 
 
 def cut_number(drawn: Line, width: int) -> int:
-    """Return the column where a number begins that a cut would go through, else the cut's."""
+    """Return where a number begins that a cut would go through, else the cut's column."""
     text = "".join(part for part, _ in drawn)
     through = (each for each in NUMBER.finditer(text) if each.start() < width < each.end())
     return next((each.start() for each in through), width)

@@ -73,7 +73,7 @@ class Spoken:
 
 
 class Talk(NamedTuple):
-    """What stands of the words on board at one moment."""
+    """The orders and words on board that stand at one moment."""
 
     spoken: tuple[Spoken, ...] = ()  # the newest last
     freed: frozenset[str] = frozenset()

@@ -158,12 +158,17 @@ def worlds_begun(recording: Recording) -> dict[int, WorldOrders]:
     return begun
 
 
-def settle_world(boat: Boat, recording: Recording, branch: int, after: int) -> None:
-    """Bring a boat's world to what a branch's orders up to ``after`` made it."""
+def recorded_world_orders(recording: Recording, branch: int, after: int) -> WorldOrders:
+    """Return the orders to the world that a branch has up to ``after``."""
     latest = None
     for entry in recording.orders(branch):
         latest = to_world(entry, latest) if entry.id <= after else latest
-    boat.world.settle(world_orders(latest))
+    return world_orders(latest)
+
+
+def settle_world(boat: Boat, recording: Recording, branch: int, after: int) -> None:
+    """Bring a boat's world to what a branch's orders up to ``after`` made it."""
+    boat.world.settle(recorded_world_orders(recording, branch, after))
 
 
 @dataclass(frozen=True)
@@ -256,7 +261,7 @@ class History:
             self.place = entry.place + 1
 
     def read_world_orders(self, branch: int) -> None:
-        """Read the orders to the world that led to a branch; those given here are known."""
+        """Read the orders to the world that led to a branch."""
         latest = None
         for entry in self.recording.orders(branch):
             latest = to_world(entry, latest)

@@ -1,4 +1,4 @@
-"""What stands on board after each order of the journal: words, repeats and plans.
+"""The words, repeats and plans that stand on board after each order of the journal.
 
 A jump in time takes it as it stood after the last order of the moment. An order's number tells all
 the orders before it, on whatever branch. So nothing is read from the journal, or understood anew,
@@ -42,7 +42,7 @@ class Standing:
         self.agenda.take(plans)
 
     def arrive(self) -> None:
-        """Take the plans as they stand where a replay has led; its words have been said again."""
+        """Take the plans as they stand where a replay ends. Its words were said again."""
         self.agenda.take(self._present()[1])
 
     def _present(self) -> Stand:

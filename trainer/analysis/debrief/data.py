@@ -39,7 +39,7 @@ from trainer.core.cache import same_core
 from trainer.io.recording.queries import Excess
 from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
 from trainer.session.header import layout_of, plan_of, trainees_of
-from trainer.session.history import settle_world, world_orders
+from trainer.session.history import recorded_world_orders, settle_world
 from trainer.session.plan import Plan
 
 GAP: Final = "not recorded"  # begins why a branch was begun that nobody wound back to
@@ -239,7 +239,7 @@ def departure_at(
         )
     own = set(map(id, debrief.plan.own_schedule))
     place = sum(id(entry) in own for entry in debrief.plan.schedule[: moment.place])
-    to_world = world_orders(recording, moment.branch, moment.after)
+    to_world = recorded_world_orders(recording, moment.branch, moment.after)
     moment = replace(moment, place=place)  # in the schedule without the orders of --orders
     return Departure(moment, layout_of(debrief.header), reference.rehearsal.times, to_world)
 

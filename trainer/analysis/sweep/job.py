@@ -241,7 +241,7 @@ def study_name(name_or_path: str) -> str:
 
 
 def as_seen_from(study: str, texts: Mapping[str, str]) -> dict[str, str]:
-    """Return texts by the paths of their files from a study's folder; shipped ones keep theirs."""
+    """Return texts by their paths from a study's folder. Shipped files keep theirs."""
     if not is_path(study):
         return dict(texts)
     folder = Path(study).parent

@@ -147,7 +147,7 @@ def folder_of(out: Path) -> Path:
 
 @contextlib.contextmanager
 def writing_alone(out: Path) -> Iterator[None]:
-    """Let no other sweep write a result inside the block; ConfigError if one does already."""
+    """Keep other sweeps from a result inside the block; ConfigError if one writes it."""
     folder = folder_of(out)
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -136,7 +136,7 @@ PLAN = re.compile(
 
 
 def openings() -> dict[str, list[Reading]]:
-    """Return the readings that a line may begin with, by its first word, whole or cut short."""
+    """Return the readings of a line by its first word, whole or cut short."""
     found: dict[str, list[Reading]] = {}
     for reading in READINGS:
         first = reading.places[0]

@@ -1,4 +1,4 @@
-"""The scene: the boat, its surfaces and mast, its track, sea, ground, ships, depths that count.
+"""The scene: the boat, its moving parts, track, sea, ground, ships, depths that count.
 
 The world is north, east and down [m], with its origin where the run's is. What surrounds the boat
 follows the boat in whole squares of its grid, so that the boat is seen to move through it.

@@ -139,7 +139,7 @@ def sail_mesh(size: Size, sail: Sail) -> Mesh:
 
 
 def mast_mesh(size: Size, extension: float) -> Mesh:
-    """Return a periscope's mast, its foot in the origin and its head so far [m] above."""
+    """Return a periscope's mast of a length [m], its foot in the origin."""
     chord = MAST_CHORD * size.length
     return _foil(chord, 0.5 * chord, extension, 0.0, (0.0, 0.0, -extension))
 
