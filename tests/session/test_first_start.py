@@ -431,16 +431,15 @@ def test_the_tick_comes_before_the_rest_and_has_its_mark_before_the_rest_begins(
     done: list[str] = []
     monkeypatch.setattr(warm_up, "limit_work", lambda niceness: done.append(f"nicer by {niceness}"))
 
-    def compile_tick(_lock: int) -> None:
+    def compile_tick(_tell: Callable[[int], None]) -> None:
         done.append("tick")
-        compilation.keep("tick")
 
     def try_out(_boat: Any) -> None:
         done.append("rest")
         assert compilation.is_tick_kept()
         assert not compilation.is_kept()
 
-    monkeypatch.setattr(warm_up, "compile_tick_alone", compile_tick)
+    monkeypatch.setattr(warm_up, "compile_tick", compile_tick)
     monkeypatch.setattr(warm_up, "try_out", try_out)
     warm_up.precompile()
     warm_up.precompile()
@@ -449,28 +448,14 @@ def test_the_tick_comes_before_the_rest_and_has_its_mark_before_the_rest_begins(
     assert compilation.is_kept()
 
 
-@pytest.mark.usefixtures("empty_cache")
-def test_a_killed_compiler_of_the_tick_leaves_no_complaint_so_that_it_is_begun_again(
-    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    killed = [sys.executable, "-c", "import os; os.kill(os.getpid(), 9)"]
-    real = subprocess.run
-    with compilation.compiling() as lock:
-        assert lock is not None
-        monkeypatch.setattr(subprocess, "run", lambda _words, **how: real(killed, **how))
-        with pytest.raises(SystemExit):
-            warm_up.compile_tick_alone(lock)
-
-    assert capfd.readouterr().err == ""
-
-
 @pytest.mark.slow
-def test_the_tick_compiled_alone_is_one_entry_and_what_a_run_goes_over_to(tmp_path: Path) -> None:
+def test_the_tick_compiled_alone_is_what_a_run_goes_over_to(tmp_path: Path) -> None:
     trained(
-        code="import runpy; runpy.run_module('trainer.boat.first_tick', run_name='__main__')",
+        code="from trainer.boat import compilation, first_tick\n"
+        "first_tick.compile_tick(compilation.write_progress)\ncompilation.keep('tick')",
         cache=tmp_path,
     )
-    assert [path.name.split(".")[0] for path in tmp_path.rglob("*.nbi")] == ["call"]
+    before = {path.name for path in tmp_path.rglob("*.nb*")}
     (mark,) = tmp_path.rglob("tick-*")
     assert (mark.parent / compilation.PROGRESS).read_text() == "100"
 
@@ -480,7 +465,7 @@ def test_the_tick_compiled_alone_is_one_entry_and_what_a_run_goes_over_to(tmp_pa
     later = trained(*exercise, "max", "--csv", str(tmp_path / "later.csv"))
 
     assert "interpreted before tick" in first.stdout
-    assert len(list(tmp_path.rglob("*.nbi"))) == 1
+    assert {path.name for path in tmp_path.rglob("*.nb*")} == before
     assert "interpreted" not in later.stdout
     assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "later.csv").read_bytes()
 

@@ -31,7 +31,9 @@ def is_tested(version: str) -> bool:
 # C cannot call them: that took a sixth of the time to compile them. These options are not among
 # numba's published ones, so other versions do without them. A part is a kernel whose machine code
 # is put into that of the kernels that call it: calling parts one by one took a third of the rest
-# of the time. What is called seldom, or from many places, is no part. An unlocked kernel runs long
+# of the time. What is called seldom, or from many places, is no part, and says so: a kernel that is
+# first compiled within a part would take over its forceinline, and the rates would be in the tick
+# nine times over, for twice the time and memory of compiling. An unlocked kernel runs long
 # and lets other threads go on. An inlined one is a part that each of its callers compiles anew.
 LEAN: Final[dict[str, Any]] = (
     {"_nrt": False, "no_cfunc_wrapper": True} if is_tested(numba.__version__) else {}
@@ -41,7 +43,7 @@ if TYPE_CHECKING:  # numba's published signature lacks some of its options
     unlocked = njit(cache=True, error_model="numpy", nogil=True)
     inlined = njit(error_model="numpy", forceinline=True)
 else:
-    kernel = njit(cache=True, error_model="numpy", **LEAN)
+    kernel = njit(cache=True, error_model="numpy", forceinline=False, **LEAN)
     part = njit(cache=True, error_model="numpy", forceinline=True, **LEAN)
     unlocked = njit(cache=True, error_model="numpy", nogil=True, **LEAN)
     inlined = njit(error_model="numpy", forceinline=True, **LEAN)

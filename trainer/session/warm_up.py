@@ -3,7 +3,6 @@
 import contextlib
 import gc
 import os
-import subprocess
 import sys
 from functools import partial
 from typing import Final
@@ -14,6 +13,7 @@ import numpy as np
 from trainer.boat import casualties, compilation
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.boat.first_tick import compile_tick
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
@@ -92,14 +92,15 @@ def precompile(lock: int | None = None) -> None:
         if lock is None:
             lock = stack.enter_context(compilation.compiling())
         if lock is not None and not compilation.is_kept():
-            compile_in_stages(lock)
+            compile_in_stages()
 
 
-def compile_in_stages(lock: int) -> None:
+def compile_in_stages() -> None:
     """Compile the tick alone, to which runs at sea go over, and then the rest."""
     limit_work(TICK_NICENESS)
-    if compilation.known_compiler() and not compilation.is_tick_kept():
-        compile_tick_alone(lock)
+    if not compilation.is_tick_kept():
+        compile_tick(compilation.write_progress)
+        compilation.keep("tick")
     limit_work(REST_NICENESS - TICK_NICENESS)
     boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
     try_out(boat)
@@ -117,16 +118,6 @@ def limit_work(niceness: int) -> None:
 
         os.nice(niceness)
         resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
-
-
-def compile_tick_alone(lock: int) -> None:
-    """Compile the tick in a process of its own. Leave, without a word, if that is killed."""
-    words = [sys.executable, "-P", "-m", "trainer.boat.first_tick"]
-    status = subprocess.run(words, pass_fds=(lock,), check=False).returncode  # noqa: S603
-    if status < 0:  # whoever waits for it begins again
-        sys.exit(-status)
-    if status > 0:
-        raise subprocess.CalledProcessError(status, words)
 
 
 if __name__ == "__main__":
