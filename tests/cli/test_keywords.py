@@ -188,7 +188,7 @@ def test_a_keyword_of_a_fit_reaches_its_option(
 
     monkeypatch.setattr(identify, "fit_ship", fit_ship)
 
-    call = options_at(lambda: trainer.identify_ship(RECORD, **{keyword: value}), heard)  # type: ignore[arg-type]
+    call = options_at(lambda: trainer.identify_ship(RECORD, **{keyword: value}), heard)  # type: ignore[call-overload]
     assert call[option] == wanted
 
 

@@ -33,7 +33,8 @@ def typed(*words: str | bytes, folder: Path, memory: int | None = None) -> tuple
         timeout=600,
         check=False,
     )
-    return done.returncode, *(each.decode(errors="replace") for each in (done.stdout, done.stderr))
+    out, told = (each.decode(errors="replace") for each in (done.stdout, done.stderr))
+    return done.returncode, out, told
 
 
 @pytest.fixture

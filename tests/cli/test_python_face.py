@@ -494,9 +494,9 @@ def test_a_sweep_by_call_is_that_of_the_command_and_keeps_nothing_unasked(
 
 def test_a_fit_by_call_asks_for_what_is_there(tmp_path: Path) -> None:
     with pytest.raises(trainer.TrainerError, match="no keyword 'modell'; nearest is model"):
-        trainer.identify_ship("x.trainer", modell="1")  # type: ignore[call-arg]
+        trainer.identify_ship("x.trainer", modell="1")  # type: ignore[call-overload]
     with pytest.raises(trainer.TrainerError, match="Invalid value for '--model'"):
-        trainer.identify_ship("x.trainer", model="7")  # type: ignore[arg-type]
+        trainer.identify_ship("x.trainer", model="7")  # type: ignore[call-overload]
     with pytest.raises(trainer.TrainerError, match="nix"):
         trainer.identify_ship(tmp_path / "nix.trainer", model="nomoto1", vessel="bb2")
 

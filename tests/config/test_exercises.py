@@ -550,8 +550,8 @@ def test_a_condition_and_the_name_beside_it_are_both_told() -> None:
 def test_casualties_of_ones_own_are_known_though_the_head_of_the_file_is_wrong(
     tmp_path: Path,
 ) -> None:
-    own = shipped("casualties", "standard").read_text(encoding="utf-8")
-    (tmp_path / "own.toml").write_text(own.replace("stern-stuck", "stern-frozen"))
+    own = '[casualty.stern-frozen]\nkind = "stern-stuck"\ndescription = "They stay"\n'
+    (tmp_path / "own.toml").write_text(f'schema = "casualties/1"\nname = "Own"\n{own}')
     text = 'schema = "exercise/1"\nbriefing = "X"\ncasualty_table = "./own.toml"\n'
     text += '[[casualties]]\nname = "stern-frozen"\nat_s = 3\n'
 

@@ -246,7 +246,7 @@ def test_a_freeze_after_a_collision_is_not_that_of_the_collision(
 ) -> None:
     ship = shallow(crewed(seconds=None, world=tables(WALL.format(what="freeze"))))
     ship.fly(400)
-    ship.fly(2)
+    ship.order("run")
     ship.order("freeze")
 
     assert ship.conduct.desert().endswith(" s, and nobody is left to say run")

@@ -244,6 +244,8 @@ class Boat:
     def orders(self) -> list[dict[str, Cell]]:
         """Return the orders so far: ``t`` [s], ``who``, ``text``, ``accepted`` and ``answer``."""
         step = self._boat.method.step
+        with self._alone():
+            journal = self._journal()
         return [
             {
                 "t": each.tick * step,
@@ -252,7 +254,7 @@ class Boat:
                 "accepted": each.accepted,
                 "answer": each.answer,
             }
-            for each in self._journal()
+            for each in journal
         ]
 
     def _journal(self) -> list[Journalled]:

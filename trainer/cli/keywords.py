@@ -53,9 +53,9 @@ def _words(command: click.Command, name: str, value: object) -> list[str]:
 
 def _flag(options: Sequence[click.Option], name: str, value: object) -> list[str]:
     """Return the flag that is typed for a value; nothing for False. ConfigError if none is."""
-    words = {False: [], True: [options[0].opts[0]]}
-    choices = {each.flag_value: [each.opts[0]] for each in options}
-    flags = words if options[0].is_bool_flag else choices
+    flags: dict[object, list[str]] = {each.flag_value: [each.opts[0]] for each in options}
+    if options[0].is_bool_flag:
+        flags = {False: [], True: [options[0].opts[0]]}
     if not isinstance(value, Hashable) or value not in flags:
         known = ", ".join(map(repr, flags))
         raise ConfigError(f"Invalid value for {name!r}: {value!r} is not one of {known}.")

@@ -148,7 +148,7 @@ def cause_of(lost: OSError) -> str:
     name = "" if lost.filename is None else f"{lost.filename}: "
     if lost.strerror:
         return f"{name}{lost.strerror}"
-    return f"{name}{lost or type(lost).__name__}".removesuffix(".")
+    return f"{name}{str(lost) or type(lost).__name__}".removesuffix(".")
 
 
 def main() -> None:

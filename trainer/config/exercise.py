@@ -41,7 +41,7 @@ from trainer.config.schema import (
 )
 from trainer.config.score_rules import Rule, Score, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
-from trainer.config.sound_rows import sound_rows
+from trainer.config.sound_rows import Readers, sound_rows
 from trainer.config.words import EQUATIONS
 from trainer.config.world import READERS, WORLD_RECORDS, WorldTables, read_world
 from trainer.io.orders.grammar import Order, parse, to_the_crew
@@ -379,7 +379,8 @@ def _orders(table: Mapping[str, object], place: Place) -> list[Scheduled]:
     """Return the orders and their times; ConfigError with all that are none."""
     problems: list[str] = []
     found = []
-    rows, readers = table.get("orders", []), {"order": _read_order}
+    rows: object = table.get("orders", [])
+    readers: Readers = {"order": _read_order}
     for i, inside, row in sound_rows(ORDERS, rows, place.inside("orders"), readers, problems):
         with collecting(problems):
             order = _read_order(row.order, inside)
@@ -412,7 +413,7 @@ def _casualties(
     timed: list[Scheduled] = []
     armed: list[Armed] = []
     rows = table.get("casualties", [])
-    readers = {"name": partial(_entry_named, known), "when": compile_condition}
+    readers: Readers = {"name": partial(_entry_named, known), "when": compile_condition}
     array = place.inside("casualties")
     for i, inside, row in sound_rows(CASUALTIES, rows, array, readers, problems):
         condition = None

@@ -23,7 +23,7 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.score_rules import ANSWERS
-from trainer.config.sound_rows import sound_rows
+from trainer.config.sound_rows import Readers, sound_rows
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import LATEST
 
@@ -117,7 +117,7 @@ def read_crew(table: Mapping[str, object], place: Place) -> Crew:
     if isinstance(table.get("crew"), dict):
         raise ConfigError(place.problem("[crew]: one reference crew, its rules [[crew]] each"))
     rules: list[CrewRule] = []
-    readers = {"when": compile_conditions, "order": parse_crew_order}
+    readers: Readers = {"when": compile_conditions, "order": parse_crew_order}
     array = place.inside("crew")
     for i, inside, row in sound_rows(RULES, table.get("crew", []), array, readers, problems):
         with collecting(problems):

@@ -10,7 +10,7 @@ from trainer.config.condition import EVERY, Condition, compile_conditions, parse
 from trainer.config.condition import nearest_quantity as guess
 from trainer.config.files import ConfigError, Place, collecting, nearest
 from trainer.config.schema import Choice, Choices, Quantity, Rows, Text, above, of, optional, within
-from trainer.config.sound_rows import sound_rows
+from trainer.config.sound_rows import Readers, sound_rows
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.schedule import LATEST
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
@@ -325,7 +325,7 @@ def read_rules(
     """Return the rules of an exercise file; ConfigError with all that is wrong in them."""
     problems: list[str] = []
     rules: list[Rule] = []
-    readers = {
+    readers: Readers = {
         "measure": _refuse_unknown,
         "quantity": parse_quantity,
         "when": compile_conditions,

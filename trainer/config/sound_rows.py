@@ -36,8 +36,10 @@ def sound_rows(
 def _wrong_texts(row: object, place: Place, readers: Readers) -> list[str]:
     """Return what is wrong with the texts of a row."""
     problems: list[str] = []
-    for key, read in readers.items() if isinstance(row, Mapping) else ():
+    table: Mapping[str, object] = row if isinstance(row, Mapping) else {}
+    for key, read in readers.items():
+        text = table.get(key)
         with collecting(problems):
-            if isinstance(row.get(key), str):
-                read(row[key], place)
+            if isinstance(text, str):
+                read(text, place)
     return problems
