@@ -117,7 +117,7 @@ def keep_standard_streams() -> None:
 
 
 def show_any_name() -> None:
-    """Have what stdout cannot write, such as a file name that is not UTF-8, shown by its code."""
+    """Let stdout show any file name, by codes where it is not UTF-8."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 
@@ -132,7 +132,7 @@ def fail(code: int, *lines: str) -> NoReturn:
 
 
 def memory_limit() -> str:
-    """Return how much memory this process may have, and how to give it more; "" for no limit."""
+    """Return what memory this process may have, and what gives more; "" without limit."""
     try:
         import resource  # noqa: PLC0415  not on Windows, which sets none
     except ImportError:
@@ -144,7 +144,7 @@ def memory_limit() -> str:
 
 
 def cause_of(lost: OSError) -> str:
-    """Return why an OSError came: the file, if one is named, and what the system says."""
+    """Return why an OSError came: its file, if any, and the system's words."""
     name = "" if lost.filename is None else f"{lost.filename}: "
     if lost.strerror:
         return f"{name}{lost.strerror}"

@@ -292,9 +292,9 @@ def numbers_of(boat: Boat) -> dict[str, Any]:
 
 
 def module_of(boat: Boat) -> tuple[bytes, bytes]:
-    """Return a module for a boat's method, and its card: built here, or else the trainer's own.
+    """Return a module for a boat's method, and its card.
 
-    ConfigError where nothing links it here, and the trainer's is for another core or method.
+    It is built here, or else is the trainer's own. ConfigError where nothing links it here, and the trainer's is for another core or method.
     """
     if shutil.which(LINKER):
         module = build(boat.records.scheme)
