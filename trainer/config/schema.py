@@ -334,7 +334,7 @@ class Rows:
         )
 
     def listed(self, key: str, value: object, place: Place) -> list[Any]:
-        """Return the rows as they are written; ConfigError if they are no such list."""
+        """Return the rows as they are written; ConfigError if these are no such list."""
         if not isinstance(value, list) or not self.fewest <= len(value) <= self.most:
             text = f"must be {self.fewest} to {self.most} tables [[{place.inside(key).table}]]"
             raise ConfigError(place.wrong(key, value, text))

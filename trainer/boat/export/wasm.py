@@ -294,7 +294,8 @@ def numbers_of(boat: Boat) -> dict[str, Any]:
 def module_of(boat: Boat) -> tuple[bytes, bytes]:
     """Return a module for a boat's method, and its card.
 
-    It is built here, or else is the trainer's own. ConfigError where nothing links it here, and the trainer's is for another core or method.
+    It is built here, or else is the trainer's own. ConfigError where nothing links it here, and
+    the trainer's is for another core or method.
     """
     if shutil.which(LINKER):
         module = build(boat.records.scheme)
