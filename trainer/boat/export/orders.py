@@ -8,6 +8,7 @@ that counts as 0. WRITES are PLACE=RULE:ARGUMENT, done in order:
 
     const V      V
     number S     S x
+    over S       x / S
     place P      what stands at place P
     short P      the angle x, as the turns nearest to the angle at place P
     shorter P    the angle at PLACE itself, likewise
