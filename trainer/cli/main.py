@@ -117,7 +117,7 @@ def keep_standard_streams() -> None:
 
 
 def show_any_name() -> None:
-    """Let stdout show any file name, by codes where it is not UTF-8."""
+    """Make stdout show any file name, by codes where it is not UTF-8."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 
