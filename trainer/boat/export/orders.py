@@ -127,8 +127,9 @@ def _propeller(boat: Boat) -> Iterator[str]:
     turns = Range(float(c.u_c_astern) - SLACK, float(c.u_c_ahead) + SLACK, knot)
     yield _row("turns", {"ordered_u_c": "number:1.0", **held}, turns)
     rate = boat.file.propulsion.rps_per_mps
-    minute = NUMBERS["RPM"].units[0].factor
-    revolutions = Range(turns.low * rate, turns.high * rate, minute)
+    said, minute = NUMBERS["RPM"], NUMBERS["RPM"].units[0].factor
+    slowest, fastest = max(turns.low * rate, said.low * minute), said.high * minute
+    revolutions = Range(slowest, min(turns.high * rate, fastest), minute)
     yield _row("rpm", {"ordered_u_c": f"over:{rate!r}", **held}, revolutions)
     yield _row("bell stop", {"ordered_u_c": _const(0.0), **held})
     for bell, speed in boat.file.propulsion.bells_kn.items():
