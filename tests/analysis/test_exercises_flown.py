@@ -23,6 +23,7 @@ from trainer.analysis.exercise_page import (
     keep,
     planned,
     study,
+    table,
     varies,
 )
 from trainer.analysis.rehearsal import CREW, Rehearsal, fly
@@ -568,3 +569,9 @@ def test_a_baseline_reads_back_as_it_was_written(tmp_path: Path) -> None:
     assert plain_marks(fly(planned(path)).trajectory, planned(path)) == pytest.approx(
         dict(kept.marks), abs=0.01
     )
+
+
+def test_a_baseline_of_one_seed_is_the_mean_of_one_seed() -> None:
+    lines = list(table(study("first-depth-change", 1)))
+
+    assert any(line.startswith("mean of 1 seed  ") for line in lines)

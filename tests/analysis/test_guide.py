@@ -482,6 +482,9 @@ def test_a_file_beside_the_vessel_file_holds_its_trials(tmp_path: Path) -> None:
         ("angle_deg", 'side = "left"\nangle_deg', "must be starboard or port"),
         ("angle_deg", 'direction = "dive"\nangle_deg', 'direction = "dive": no such key'),
         ('"m", 187.0', '["m"], 187.0', "unit must be one of"),
+        ("187.0", "9" * 400, "must be finite, -1e+09 to 1e+09"),
+        ("187.0", "nan", "must be finite, -1e+09 to 1e+09"),
+        ("187.0", '"far"', "must be a number, -1e+09 to 1e+09"),
     ],
 )
 def test_a_wrong_file_of_trials_is_told_with_its_place(

@@ -103,7 +103,9 @@ def test_time_to_counts_from_the_window_to_where_it_stays_in_its_band() -> None:
     assert taken(went, **depth) == (1.5, 3)
     assert taken(went, **depth, from_s=1.0) == (0.5, 3)
     assert taken(went, **depth, to_s=1.0) == (None, None)
-    assert attain(went, rule(**depth, to_s=1.0)).why == "not in the band at the end, 9 beyond it"
+    assert attain(went, rule(**depth, to_s=1.0)).why == "not in the band at the end, 9 m beyond it"
+    far = trajectory(z=[60, 258, 260.6])
+    assert attain(far, rule(**depth)).why == "not in the band at the end, 160 m beyond it"
 
 
 def test_to_reach_a_target_the_boat_has_to_have_been_elsewhere() -> None:

@@ -17,12 +17,12 @@ from trainer.boat.export import wasm
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
 from trainer.core.cache import core_digest
 from trainer.session.options import RunOptions
 
-CARD = dict(
-    line.split(" ", 1) for line in wasm.SHIPPED.with_name(wasm.CARD).read_text().splitlines()
-)
+SHIPPED_CARD = wasm.SHIPPED.with_name(wasm.CARD)
+CARD = dict(line.split(" ", 1) for line in SHIPPED_CARD.read_text().splitlines())
 BUILD = "trainer export-core DIR --cpu wasm32 builds it; copy core.wasm and core.wasm.txt from DIR"
 AGAIN = f"core.wasm is of another core: {BUILD}"
 
@@ -94,6 +94,34 @@ def test_a_linker_that_is_missing_is_named_with_its_package(
         ConfigError, match=r"no linker wasm-ld here\. Debian and Ubuntu: apt install lld"
     ):
         wasm.build(boat_at_start(RunOptions(vessel="bb2")).records.scheme)
+
+
+def test_without_a_linker_the_module_of_the_trainer_is_exported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+
+    done = CliRunner().invoke(cli, ["export-core", str(tmp_path / "core"), "--cpu", "wasm32"])
+
+    assert done.exit_code == 0, done.output
+    for name, shipped in ((wasm.MODULE, wasm.SHIPPED), (wasm.CARD, SHIPPED_CARD)):
+        assert (tmp_path / "core" / name).read_bytes() == shipped.read_bytes()
+    numbers = json.loads((tmp_path / "core" / wasm.NUMBERS).read_text())
+    assert numbers["boat"] == load_vessel("bb2").name
+
+
+def test_without_a_linker_another_method_is_refused_with_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    boat = boat_at_start(RunOptions(vessel="bb2", equations="full"))
+
+    told = r"no linker wasm-ld here, and the core\.wasm .* is for the modified set, .* not the full"
+    with pytest.raises(ConfigError, match=rf"{told} set, .*apt install lld"):
+        wasm.files_of(boat)
+    monkeypatch.setattr(wasm, "same_core", lambda _: False)
+    with pytest.raises(ConfigError, match=rf"is of core {CARD['core']}, not .*apt install lld"):
+        wasm.files_of(boat)
 
 
 def test_a_linker_that_fails_is_told_in_one_line(

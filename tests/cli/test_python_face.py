@@ -5,7 +5,8 @@ import json
 import math
 import subprocess
 import sys
-from collections.abc import Collection
+import threading
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, assert_type
 
@@ -24,6 +25,7 @@ from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.session.header import reading
 from trainer.session.replay import replay_anyway
+from trainer.session.session import Session
 
 ORDERS = ((0, "depth 80"), (60, "rudder left 20"), (90, "rudder meet"), (200, "course 300"))
 
@@ -271,6 +273,44 @@ def test_a_boat_that_is_lost_says_so_and_can_go_back() -> None:
     assert not boat.lost
 
 
+def test_a_boat_takes_one_call_at_a_time_and_no_row_is_lost(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    boat = trainer.Boat()
+    before = boat.snapshot()
+    begun, told, real = threading.Event(), threading.Event(), Session.run
+
+    def run_slowly(session: Session) -> None:
+        begun.set()
+        told.wait(60.0)
+        real(session)
+
+    monkeypatch.setattr(Session, "run", run_slowly)
+    other = threading.Thread(target=boat.run, args=(60.0,))
+    other.start()
+    try:
+        assert begun.wait(60.0)
+        calls: tuple[Callable[[], object], ...] = (
+            lambda: boat.run(60.0),
+            lambda: boat.order("depth 80"),
+            lambda: boat.columns,
+            lambda: boat.orders,
+            lambda: boat.restore(before),
+            boat.snapshot,
+            boat.close,
+        )
+        for call in calls:
+            with pytest.raises(trainer.TrainerError, match="another thread is at this boat"):
+                call()
+    finally:
+        told.set()
+        other.join(60.0)
+
+    boat.run(60.0)
+    assert boat.time == 120.0
+    assert boat.columns["t"].tolist() == [0.5 * tick for tick in range(241)]
+
+
 # The same words
 
 
@@ -351,6 +391,32 @@ def test_what_an_exercise_has_in_hand_is_refused_as_at_the_console() -> None:
 def test_a_run_is_longer_than_nothing_and_ends(seconds: float) -> None:
     with pytest.raises(trainer.TrainerError, match="longer than 0 s, and ends"):
         trainer.Boat().run(seconds)
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda boat: boat.order(5), "order(): an order is text, such as 'depth 80', not int"),
+        (lambda boat: boat.order(None), "order(): an order is text, such as 'depth 80', not None"),
+        (lambda boat: boat.run("5"), "run(): give a number of seconds, such as run(900), not str"),
+        (lambda boat: boat.run(10**400), "run(1000000000"),
+        (lambda boat: boat.run(10**5000), "run((too long to show)): a run lasts longer than 0 s"),
+        (lambda boat: boat.run(1e300), "run(1e+300): a run lasts longer than 0 s, and ends"),
+        (lambda boat: boat.restore(5), "restore: this is no snapshot"),
+    ],
+)
+def test_what_a_boat_cannot_be_given_is_told_in_one_line(
+    call: Callable[[Any], object], told: str
+) -> None:
+    boat = trainer.Boat()
+
+    with pytest.raises(trainer.TrainerError) as wrong:
+        call(boat)
+
+    assert str(wrong.value).startswith(told)
+    assert "\n" not in str(wrong.value)
+    boat.run(1)
+    assert boat.time == 1.0
 
 
 def test_a_run_without_an_end_asks_for_one() -> None:
@@ -444,9 +510,9 @@ def test_a_sweep_by_call_is_that_of_the_command_and_keeps_nothing_unasked(
 
 def test_a_fit_by_call_asks_for_what_is_there(tmp_path: Path) -> None:
     with pytest.raises(trainer.TrainerError, match="no keyword 'modell'; nearest is model"):
-        trainer.identify_ship("x.trainer", modell="1")  # type: ignore[call-arg]
+        trainer.identify_ship("x.trainer", modell="1")  # type: ignore[call-overload]
     with pytest.raises(trainer.TrainerError, match="Invalid value for '--model'"):
-        trainer.identify_ship("x.trainer", model="7")  # type: ignore[arg-type]
+        trainer.identify_ship("x.trainer", model="7")  # type: ignore[call-overload]
     with pytest.raises(trainer.TrainerError, match="nix"):
         trainer.identify_ship(tmp_path / "nix.trainer", model="nomoto1", vessel="bb2")
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from helpers.places import ROOT
 
+from trainer.analysis.exercise_page import check
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import active
 from trainer.boat.helm import obey
@@ -487,6 +488,77 @@ def test_a_wrong_exercise_or_sea_ends_with_code_2_and_one_line() -> None:
         assert done.returncode == 2
         assert "nearest is" in done.stderr
         assert len(done.stderr.splitlines()) == 1
+
+
+MISTAKES = {  # a line of the skeleton, the line in its place, and what is told of it
+    "table": ("[limits] ", "[limit] ", "limit = .*no such key; nearest is limits"),
+    "key": ("duration_s = 600", "duration = 600", "duration = 600: no such key; nearest is dura"),
+    "value": ("speed_kn = 10", "speed_kn = -10", r"\[initial\] speed_kn = -10: must be 0.001 to"),
+    "reference": ("stern-stuck", "stern-stuk", 'name = "stern-stuk": no such casualty; nearest is'),
+    "condition": ('"depth > 130"', '"dept > 130"', 'lost = "dept > 130": no quantity .dept.; near'),
+    "boat": ('# vessel = "bb2"', 'vessel = "bb3"', 'no vessel "bb3"; nearest is bb2'),
+    "key of a score": ('measure = "reach"', 'measur = "reach"', "measur = .*nearest is measure"),
+    "its quantity": ('quantity = "depth_m"', 'quantity = "depht_m"', "no such quantity; nearest"),
+    "measure": ('measure = "settled"', 'measure = "setled"', "no such measure; nearest is settled"),
+    "order": ("order depth 80", "order dpth 80", "did you mean depth?"),
+    "time of an order": ("at_s = 60", "at_s = -60", r"\[orders\[0\]\] at_s = -60: must be 0 to"),
+    "rule": ("at_s = 1\n", 'when = "stern < x"\n', 'condition "stern < x": write it as'),
+    "key of a rule": ('order = "planesman on"', 'oder = "planesman on"', "nearest is order"),
+}
+
+
+@pytest.mark.parametrize(
+    "kinds",
+    [("table", "key", "value", "reference", "condition"), tuple(MISTAKES)],
+    ids=["five", "all"],
+)
+def test_a_check_tells_every_mistake_of_a_file_at_once(
+    kinds: tuple[str, ...], tmp_path: Path
+) -> None:
+    text = shipped("", "exercise-skeleton").read_text(encoding="utf-8")
+    for kind in kinds:
+        sound, wrong, _ = MISTAKES[kind]
+        assert sound in text
+        text = text.replace(sound, wrong, 1)
+    path = tmp_path / "drill.toml"
+    path.write_text(text, encoding="utf-8")
+
+    with pytest.raises(ConfigError) as error:
+        check(str(path))
+
+    for kind in kinds:
+        *_, told = MISTAKES[kind]
+        assert any(re.search(told, each) for each in error.value.problems), kind
+    unplaced = [each for each in error.value.problems if not each.startswith("drill.toml: line ")]
+    assert unplaced == [each for each in unplaced if each.startswith("no vessel")]
+
+
+def test_a_condition_and_the_name_beside_it_are_both_told() -> None:
+    text = 'schema = "exercise/1"\nname = "X"\nbriefing = "X"\n'
+    text += '[[casualties]]\nname = "stern-stuk"\nwhen = "dept > 3"\n'
+
+    with pytest.raises(ConfigError) as error:
+        parse_exercise(text, Path("drill.toml"))
+
+    condition, name = error.value.problems
+    assert condition.endswith("no quantity 'dept'; nearest is depth")
+    assert name.endswith(
+        "no such casualty; nearest is stern-stuck; `trainer casualties` lists them"
+    )
+
+
+def test_casualties_of_ones_own_are_known_though_the_head_of_the_file_is_wrong(
+    tmp_path: Path,
+) -> None:
+    own = '[casualty.stern-frozen]\nkind = "stern-stuck"\ndescription = "They stay"\n'
+    (tmp_path / "own.toml").write_text(f'schema = "casualties/1"\nname = "Own"\n{own}')
+    text = 'schema = "exercise/1"\nbriefing = "X"\ncasualty_table = "./own.toml"\n'
+    text += '[[casualties]]\nname = "stern-frozen"\nat_s = 3\n'
+
+    with pytest.raises(ConfigError) as error:
+        parse_exercise(text, tmp_path / "drill.toml")
+
+    assert error.value.problems == ("drill.toml: lacks name",)
 
 
 def test_the_lists_name_everything_in_79_columns() -> None:

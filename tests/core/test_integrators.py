@@ -125,6 +125,12 @@ def test_the_named_adams_is_the_one_of_the_report() -> None:
         ("a=1;b=x", "give one of"),
         ("a=1;b=1;c=2", "give one of"),
         ("a=1;b=1;e=2;d=1", "give one of"),
+        ("a=1;b=nan", "^--integrator 'a=1;b=nan': b = nan: must be finite$"),
+        ("a=nan;b=1", "a = nan: must be finite"),
+        ("a=1;b=1.5,inf", "b = 1.5,inf: must be finite"),
+        ("a=1;b=1;c=1;d=nan", "d = nan: must be finite"),
+        ("d=nan", "d = nan: must be finite"),
+        ("a=1;b=1e400", "b = 1e400: must be finite"),
     ],
 )
 def test_an_unreadable_method_is_refused(text: str, why: str) -> None:

@@ -428,7 +428,7 @@ def test_the_python_face_sends_to_the_command(columns: Columns, tmp_path: Path) 
     record = written(columns, tmp_path / "a.csv")
 
     with pytest.raises(ConfigError, match="model mmg: is fitted by the command"):
-        trainer.identify_ship(record, model="mmg", length=320.0)  # type: ignore[arg-type]
+        trainer.identify_ship(record, model="mmg", length=320.0)  # type: ignore[call-overload]
 
 
 def blocks(kind: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import subprocess
 import sys
 import tomllib
@@ -15,9 +16,12 @@ from helpers.places import environment
 from trainer.analysis.debrief.episodes import meet
 from trainer.analysis.rehearsal import fly
 from trainer.boat.world.contacts import contacts_in
+from trainer.cli.boat import Boat
+from trainer.config.files import ConfigError
 from trainer.config.world import WorldTables, read_world
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
+from trainer.session.run import run_boat
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
@@ -189,16 +193,81 @@ def test_the_instructor_is_sent_the_nearest_ships(crewed: Callable[..., Crewed])
 
 
 def test_a_rehearsal_ends_with_the_collision_that_loses_it(tmp_path: Path) -> None:
-    head = 'schema = "exercise/1"\nname = "Wall"\nbriefing = "A wall."\nduration_s = 300\n'
-    path = tmp_path / "wall.toml"
-    path.write_text(head + "[initial]\nspeed_kn = 10\ndepth_m = 17.5\n" + WALL.format(what="end"))
-    flown = fly(plan_run(RunOptions(exercise=str(path))))
+    flown = fly(plan_run(RunOptions(exercise=str(wall_ahead(tmp_path, "end")))))
     assert flown.lost == "collision with wall"
     met = meet(flown.trajectory)
     assert [name for _, name in met.collisions] == ["wall"]
     assert met.nearest.min() == pytest.approx(met.closest["wall"][0])
     # the hull is below the keel: the sail, 7 m ahead of the origin, meets a side 16 m from it
     assert met.closest["wall"][0] == pytest.approx(23.0, abs=3.0)
+
+
+def wall_ahead(folder: Path, how: str) -> Path:
+    """Return the file of an exercise whose boat runs into a wall."""
+    head = 'schema = "exercise/1"\nname = "Wall"\nbriefing = "A wall."\nduration_s = 300\n'
+    path = folder / "wall.toml"
+    path.write_text(head + "[initial]\nspeed_kn = 10\ndepth_m = 17.5\n" + WALL.format(what=how))
+    return path
+
+
+def run_alone(path: Path) -> int:
+    """Run an exercise headless at full speed; return the exit code."""
+    return run_boat(RunOptions(exercise=str(path), headless=True, speed=math.inf))
+
+
+def test_a_run_that_a_collision_ends_as_lost_has_exit_code_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = run_alone(wall_ahead(tmp_path, "end"))
+
+    said = capsys.readouterr()
+    told = re.search(r"^outcome +(lost at [\d.]+ s: collision with wall)", said.out, re.MULTILINE)
+    assert told
+    assert f"trainer: {told[1]}\n" in said.err
+    assert code == 1
+
+
+def test_a_run_that_a_collision_freezes_for_good_names_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = run_alone(wall_ahead(tmp_path, "freeze"))
+
+    told = r"trainer: frozen at [\d.]+ s by collision with wall, and nobody is left to say run\n"
+    assert re.search(told, capsys.readouterr().err)
+    assert code == 1
+
+
+def test_a_run_that_only_calls_a_collision_has_exit_code_0(tmp_path: Path) -> None:
+    assert run_alone(wall_ahead(tmp_path, "call")) == 0
+
+
+def test_a_freeze_after_a_collision_is_not_that_of_the_collision(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = shallow(crewed(seconds=None, world=tables(WALL.format(what="freeze"))))
+    ship.fly(400)
+    ship.order("run")
+    ship.order("freeze")
+
+    assert ship.conduct.desert().endswith(" s, and nobody is left to say run")
+
+
+def test_a_boat_by_call_tells_the_collision_that_stops_it(tmp_path: Path) -> None:
+    ended = Boat(exercise=wall_ahead(tmp_path, "end"))
+    before = ended.snapshot()
+    with pytest.raises(ConfigError, match=r"frozen at [\d.]+ s: collision with wall$"):
+        ended.run()
+    assert ended.lost == "collision with wall"
+    with pytest.raises(ConfigError, match="cannot go on: collision with wall"):
+        ended.run()
+    ended.restore(before)
+    assert ended.lost == ""
+
+    stopped = Boat(exercise=wall_ahead(tmp_path, "freeze"))
+    with pytest.raises(ConfigError, match=r"by collision with wall; run\(\) goes on$"):
+        stopped.run()
+    stopped.run()
+    assert stopped.time == 300.0
 
 
 CROSSED = """

@@ -87,7 +87,15 @@ def test_every_order_writes_what_the_helm_writes(vessel: str) -> None:
     [
         *("rudder port 15", "rud l 15", "hard left", "stern dive 12deg", "bow rise 4"),
         *("ahead 2/3", "bell astern full", "ahead one third", "depth 200 ft", "course 360"),
-        *("speed 4 m/s", "turns -3", "vent all open", "flood depth-control 2.5 t", "blow mid"),
+        *(
+            "speed 4 m/s",
+            "turns -3",
+            "rpm 40",
+            "rpm -7.5 rpm",
+            "vent all open",
+            "flood depth-control 2.5 t",
+            "blow mid",
+        ),
         *("casualty rudder-slow 0.5 ramp 20", "casualty stern-hard-over -0.5", "clear all"),
         *("periscope", "planes auto", "emergency blow", "pump trim aft 3", "drain centre"),
     ],
@@ -108,6 +116,7 @@ def test_words_mean_what_the_grammar_makes_of_them(words: str) -> None:
     ("words", "why"),
     [
         ("rudder left 40", "this boat takes 0 to"),
+        ("rpm 900", "this boat takes -"),
         ("hover on", "not in this page"),
         ("order depth 80", "not in this page"),
         ("rudder 15", "say which way"),

@@ -37,7 +37,10 @@ from trainer.config.files import (
     ConfigError,
     Place,
     as_typed,
+    beside,
+    collecting,
     numbered,
+    parse_toml,
     path_named,
     read_text,
     shipped,
@@ -45,6 +48,7 @@ from trainer.config.files import (
 )
 from trainer.config.reference_crew import Crew
 from trainer.config.score_rules import Rule
+from trainer.config.vessel import load_vessel
 from trainer.core.cache import core_digest
 from trainer.io.atomic_write import write_whole
 from trainer.session.options import RunOptions
@@ -166,7 +170,8 @@ def table(found: Study) -> Iterator[str]:
     for name, mark in own.nobody_marks.items():
         yield f"{name:{width}}  {mark:6.0f}  {_number(crew.get(name))}"
     rows = ("total", "mean", "deviation", "least")
-    called = {"mean": f"mean of {len(found.seeds)} seeds", "deviation": "standard deviation"}
+    seeds = "1 seed" if len(found.seeds) == 1 else f"{len(found.seeds)} seeds"
+    called = {"mean": f"mean of {seeds}", "deviation": "standard deviation"}
     for row in rows:
         of_crew = getattr(kept.crew, row) if kept.crew else None
         name = called.get(row, row)
@@ -247,7 +252,13 @@ class Checked:
 
 def check(name: str) -> list[str]:
     """Return what an exercise is, a line each. ConfigError with all that is wrong in it."""
-    plan = plan_run(RunOptions(exercise=name))
+    problems: list[str] = []
+    with collecting(problems):
+        plan = plan_run(RunOptions(exercise=name))
+    if problems:
+        with collecting(problems):
+            _refuse_vessel(path_named(name, "exercises"))
+        raise ConfigError(*dict.fromkeys(problems))
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     checked = flown(plan)
@@ -257,6 +268,13 @@ def check(name: str) -> list[str]:
         if problems:
             raise ConfigError(*numbered(problems, read_text(path), path.name))
     return [f"{word:8}{text}" for word, text in _lines(plan, boat, checked)]
+
+
+def _refuse_vessel(path: Path) -> None:
+    """Raise ConfigError if an exercise's boat cannot be read, whatever else is wrong there."""
+    vessel = parse_toml(read_text(path), path.name).get("vessel")
+    if isinstance(vessel, str):
+        load_vessel(beside(path, vessel))
 
 
 def flown(plan: Plan) -> Checked | None:

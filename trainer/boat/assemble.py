@@ -277,6 +277,9 @@ def read_integrator(text: str) -> scheme.Multistep | scheme.Pair:
         numbers = {name: tuple(map(float, parts[name].split(","))) for name in parts}
     except ValueError:
         numbers = {}
+    for name, values in numbers.items():
+        if not all(map(math.isfinite, values)):
+            raise ConfigError(f"--integrator {text!r}: {name} = {parts[name]}: must be finite")
     if set(numbers) == set("ab"):
         return scheme.Multistep(numbers["a"], numbers["b"])
     if set(numbers) == set("abcd"):

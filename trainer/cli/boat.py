@@ -5,9 +5,11 @@ It is planned, made ready, ordered and ticked by what a headless run is, and has
 
 import contextlib
 import math
+import threading
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, Self, TypedDict, Unpack
 
@@ -19,10 +21,11 @@ from trainer.cli.keywords import parsed
 from trainer.cli.options import run_options
 from trainer.cli.run import run as run_command
 from trainer.config.exercise import Initial
-from trainer.config.files import ConfigError, Place, remembering
+from trainer.config.files import ConfigError, Place, quote, remembering
 from trainer.config.schema import kind_of
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
+from trainer.io.orders.schedule import LATEST
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.absence import OrdersAlone
 from trainer.io.recording.queries import Journalled, Moment
@@ -94,7 +97,8 @@ class Boat:
     - ``record``: path of a recording to write. ``close`` ends it, and so does the end of a ``with``
       statement.
 
-    TrainerError with the command line's words if something is wrong.
+    TrainerError with the command line's words if something is wrong, and for a call that comes
+    while another thread's is under way: give each thread a boat of its own.
     """
 
     def __init__(self, vessel: str | Path | None = None, **options: Unpack[BoatOptions]) -> None:
@@ -115,6 +119,7 @@ class Boat:
             header = header_of(chosen, texts, self._boat)
             _, keeper = create_recording((chosen.record,), header, state)
         self._keeper = keeper
+        self._lock = threading.Lock()
         self._rows = _Rows()
         self._events: list[News] = []
         self._closing: list[Journalled] | None = None  # the orders, once the boat is closed
@@ -150,6 +155,9 @@ class Boat:
         order, or is refused. Orders about time and moments are the calls ``run``, ``snapshot``
         and ``restore``.
         """
+        if not isinstance(words, str):
+            given = type(words).__name__
+            raise ConfigError(f"order(): an order is text, such as 'depth 80', not {given}")
         said = parse(words)
         if said is None:
             raise ConfigError("no order: say one, such as depth 80")
@@ -161,8 +169,8 @@ class Boat:
                 f"{order.text}: is an order of a session; here time and moments are the calls "
                 "run(), snapshot() and restore()"
             )
-        self._refuse_closed()
-        with np.errstate(all="ignore"):
+        with self._alone(), np.errstate(all="ignore"):
+            self._refuse_closed()
             answer = self._session.give(order, WHO)
         if isinstance(answer, Refused):
             raise ConfigError(answer.reason)
@@ -172,17 +180,20 @@ class Boat:
         """Run the boat for so many seconds [s], to the nearest tick, one at least.
 
         Without a number it runs to the end of the exercise. TrainerError if the boat is lost on
-        the way: it stays as it was then, and can go back to a snapshot.
+        the way: it stays as it was then, and can go back to a snapshot. TrainerError also if a
+        collision or the ground stops it where the exercise says ``freeze``: ``run`` goes on.
         """
-        last = self._last_tick(seconds)
-        self._refuse_closed()
-        if self.lost:
-            raise ConfigError(f"this boat cannot go on: {self.lost}; go back to a snapshot")
-        self._session.last_tick = last
-        with np.errstate(all="ignore"):
+        with self._alone(), np.errstate(all="ignore"):
+            self._refuse_closed()
+            if self.lost:
+                raise ConfigError(f"this boat cannot go on: {self.lost}; go back to a snapshot")
+            conduct, conduct.halted = self._session.conduct, ""
+            self._session.last_tick = self._last_tick(seconds)
             self._session.run()
         if self.lost:
             raise ConfigError(f"frozen at {self.time:g} s: {self.lost}")
+        if conduct.halted:
+            raise ConfigError(f"frozen at {self.time:g} s by {conduct.halted}; run() goes on")
 
     def _last_tick(self, seconds: float | None) -> int:
         """Return the tick to run to; ConfigError if that is none."""
@@ -191,8 +202,12 @@ class Boat:
             raise ConfigError("run how long? say run(seconds); only an exercise has an end")
         if seconds is None:
             return round((end or 0.0) / step)
-        if not 0.0 < seconds < math.inf:
-            raise ConfigError(f"run({seconds!r}): a run lasts longer than 0 s, and ends")
+        if not isinstance(seconds, Real):
+            given = type(seconds).__name__
+            raise ConfigError(f"run(): give a number of seconds, such as run(900), not {given}")
+        if not 0.0 < seconds <= LATEST:
+            longest = f"a run lasts longer than 0 s, and ends, within {LATEST:g} s"
+            raise ConfigError(f"run({quote(seconds)}): {longest}")
         return self._boat.ticks + max(round(seconds / step), 1)
 
     @property
@@ -215,7 +230,8 @@ class Boat:
 
         SI units and radians, a number for each tick from the start on; ``t`` is the time [s].
         """
-        return self._rows.columns()
+        with self._alone():
+            return self._rows.columns()
 
     def frame(self) -> Any:
         """Return ``columns`` as a pandas frame, with the time ``t`` [s] as its index.
@@ -228,6 +244,8 @@ class Boat:
     def orders(self) -> list[dict[str, Cell]]:
         """Return the orders so far: ``t`` [s], ``who``, ``text``, ``accepted`` and ``answer``."""
         step = self._boat.method.step
+        with self._alone():
+            journal = self._journal()
         return [
             {
                 "t": each.tick * step,
@@ -236,7 +254,7 @@ class Boat:
                 "accepted": each.accepted,
                 "answer": each.answer,
             }
-            for each in self._journal()
+            for each in journal
         ]
 
     def _journal(self) -> list[Journalled]:
@@ -254,36 +272,51 @@ class Boat:
     @property
     def lost(self) -> str:
         """Return why the boat cannot go on, "" while it can."""
-        return self._session.control.failure
+        ending = self._session.conduct.ending
+        return self._session.control.failure or (ending.why if ending.how == "lost" else "")
 
     def snapshot(self) -> Snapshot:
         """Return this moment, whole: state, sea, tanks, casualties, and what is still scheduled."""
-        return Snapshot(self.time, self._session.history.now(), self)
+        with self._alone():
+            return Snapshot(self.time, self._session.history.now(), self)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to a moment of this boat, to the bit. What came after it is forgotten.
 
         A recording keeps it, on the branch that is left. TrainerError for another boat's moment.
         """
-        if snapshot._of is not self:  # noqa: SLF001  its own kind
-            raise ConfigError("restore: this snapshot is of another boat")
-        self._refuse_closed()
-        with np.errstate(all="ignore"):
+        if not isinstance(snapshot, Snapshot) or snapshot._of is not self:  # noqa: SLF001  its own kind
+            raise ConfigError("restore: this is no snapshot, or one of another boat")
+        with self._alone(), np.errstate(all="ignore"):
+            self._refuse_closed()
             self._session.return_to(snapshot._moment, f"restore, by {WHO}")  # noqa: SLF001
-        self._rows.cut(self._boat.ticks)
-        self._events[:] = [each for each in self._events if each.tick <= self._boat.ticks]
+            self._rows.cut(self._boat.ticks)
+            self._events[:] = [each for each in self._events if each.tick <= self._boat.ticks]
 
     def close(self) -> None:
         """End the run and its recording, if there is one. What was flown can still be read.
 
         TrainerError if the recording could not be written whole.
         """
-        if self._closing is not None:
-            return
-        self._closing = self._journal()
-        self._keeper.close()
+        with self._alone():
+            if self._closing is not None:
+                return
+            self._closing = self._journal()
+            self._keeper.close()
         if self._keeper.missing or self._keeper.trouble:
             raise ConfigError(f"NOT RECORDED: {self._keeper.missing}; {self._keeper.trouble}")
+
+    @contextlib.contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Keep the boat for one call. ConfigError while another thread's is under way."""
+        if not self._lock.acquire(blocking=False):
+            raise ConfigError(
+                "another thread is at this boat: one call at a time; give each thread its own boat"
+            )
+        try:
+            yield
+        finally:
+            self._lock.release()
 
     def _refuse_closed(self) -> None:
         """Raise ConfigError if the boat is closed."""

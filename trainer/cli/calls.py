@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypedDict, TypeVar, Unpack
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypedDict, TypeVar, Unpack, overload
 
 from trainer.cli import guide, identify
 from trainer.cli import sweep as sweep_command
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from trainer.analysis.manoeuvres.vehicle import Measure
     from trainer.analysis.sweep.report import Report as SweepReport
     from trainer.analysis.sweep.report import Spread
+    from trainer.identify.pages.record import Channel
+    from trainer.identify.pages.record import Report as RecordReport
     from trainer.identify.pages.results import Estimate, ShipNumber
     from trainer.identify.pages.results import Report as FitReport
 
@@ -182,25 +184,48 @@ class IdentifyOptions(TypedDict, total=False):
     matrices: bool
 
 
+@overload
 def identify_ship(
-    record: File, **options: Unpack[IdentifyOptions]
-) -> "Answer[FitReport, Estimate | ShipNumber]":
+    record: File, *, data_only: Literal[True], **options: Unpack[IdentifyOptions]
+) -> "Answer[RecordReport, Channel]": ...
+
+
+@overload
+def identify_ship(
+    record: File, *, data_only: Literal[False] | None = None, **options: Unpack[IdentifyOptions]
+) -> "Answer[FitReport, Estimate | ShipNumber]": ...
+
+
+def identify_ship(
+    record: File, *, data_only: bool | None = None, **options: Unpack[IdentifyOptions]
+) -> "Answer[Any, Any]":
     """Identify a ship from a record of rudder and motion, as ``trainer identify`` does.
 
     ``record`` is the path of a recording, a CSV file or a study; ``check`` one more, which the
     ship found is to predict. ``length`` is in m, ``at`` is the speed in kn, ``begin`` and ``end``
     are in s. The figures are the parameters and the ship's gains and time constants, each with its
     value, unit and standard deviation; ``report.converged`` says whether the fit has settled.
+    With ``data_only`` nothing is fitted: the figures are the record's columns in few numbers.
     TrainerError with the command's words if something is wrong, and without the extra
     ``identify``.
     """
     require_library("scipy", "identify")
     from trainer.identify import options as studies  # noqa: PLC0415
+    from trainer.identify.pages import record as record_page  # noqa: PLC0415
     from trainer.identify.pages.identify import render  # noqa: PLC0415
 
-    with parsed(identify.identify, [record], options, IdentifyOptions.__annotations__) as words:
+    given, known = (
+        {"data_only": data_only, **options},
+        ("data_only", *IdentifyOptions.__annotations__),
+    )
+    with parsed(identify.identify, [record], given, known) as words:
         asked = record_of(studies.IdentifyOptions, words)
-        report = identify.fit_ship(studies.study_of(Path(record), asked), asked).report
+        study = studies.study_of(Path(record), asked)
+        if asked.data_only:
+            seen, _ = record_page.carry_out(study)
+            channels = {each.name: each for run in seen.runs for each in run.channels}
+            return Answer(seen, channels, {}, record_page.render(seen))
+        report = identify.fit_ship(study, asked).report
     figures: dict[str, Estimate | ShipNumber] = {each.name: each for each in report.parameters}
     figures |= {each.name: each for each in report.ship}
     return Answer(report, figures, {}, render(report))

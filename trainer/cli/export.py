@@ -66,7 +66,7 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
 
     \b
     Example:  trainer export-core core --vessel bb2
-              cc -O2 -o host core/host.c core/trainer_core.o && ./host 7200
+              cc -O2 -ffp-contract=off -o host core/host.c core/trainer_core.o && ./host 7200
 
     DIRECTORY gets trainer_core.o, libtrainer_core.so, trainer_core.h and host.c, a host to begin
     with. The bits are the trainer's. Exit code 1 when no C compiler could link the library. With

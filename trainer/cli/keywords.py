@@ -4,7 +4,7 @@ Each keyword is the name of an option, such as ``step_speed`` for ``--step-speed
 own parser checks it: limits, choices, defaults and messages are those of the command line.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -25,11 +25,11 @@ def parsed(
     ``known`` are the keywords that there are; None is as if not given. ConfigError with the
     command's own words if something is wrong.
     """
-    words = [word for name, value in keywords.items() for word in _words(command, name, value)]
     for name in keywords:
         if name not in known:
             there = ", ".join(sorted(known))
             raise ConfigError(f"no keyword {name!r}{nearest(name, known)}; there are {there}")
+    words = [word for name, value in keywords.items() for word in _words(command, name, value)]
     texts = [str(each) for each in arguments]
     try:
         with command.make_context(command.name, [*words, "--", *texts]) as context:
@@ -42,17 +42,24 @@ def _words(command: click.Command, name: str, value: object) -> list[str]:
     """Return what is typed for a keyword; nothing for None, and for a flag that is not set."""
     options = [each for each in command.params if isinstance(each, click.Option)]
     named = [each for each in options if name in _names(each)]
-    if not named or value is None or value is False:
+    if not named or value is None:
         return []
     option = named[0]
     if option.is_flag:
-        flags = {each.flag_value: each.opts[0] for each in named}
-        if value not in flags:
-            there = ", ".join(repr(each) for each in flags)
-            raise ConfigError(f"Invalid value for {name!r}: {value!r} is not one of {there}.")
-        return [flags[value]]
+        return _flag(named, name, value)
     values = value if option.multiple and isinstance(value, list | tuple) else [value]
     return [f"{option.opts[0]}={each}" for each in values]
+
+
+def _flag(options: Sequence[click.Option], name: str, value: object) -> list[str]:
+    """Return the flag that is typed for a value; nothing for False. ConfigError if none is."""
+    flags: dict[object, list[str]] = {each.flag_value: [each.opts[0]] for each in options}
+    if options[0].is_bool_flag:
+        flags = {False: [], True: [options[0].opts[0]]}
+    if not isinstance(value, Hashable) or value not in flags:
+        known = ", ".join(map(repr, flags))
+        raise ConfigError(f"Invalid value for {name!r}: {value!r} is not one of {known}.")
+    return flags[value]
 
 
 def _names(option: click.Option) -> set[str]:

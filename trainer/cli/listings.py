@@ -248,7 +248,7 @@ SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
 
 
 @click.command()
-@click.argument("kind", type=Choice(tuple(SCHEMAS)))
+@click.argument("kind", type=Choice(tuple(SCHEMAS)), metavar="KIND")
 @click.option("-o", "--output", type=FILE, default=None, metavar="FILE", help="Write it there.")
 def schema(kind: str, output: Path | None) -> None:
     """Print the JSON Schema of a kind of file, by which editors complete and underline.

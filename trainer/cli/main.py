@@ -1,5 +1,6 @@
 """The command line: its commands, its versions, and how it tells what is wrong."""
 
+import io
 import os
 import sys
 from typing import Final, NoReturn
@@ -115,6 +116,12 @@ def keep_standard_streams() -> None:
     os.close(descriptor)
 
 
+def show_any_name() -> None:
+    """Make stdout show any file name, by codes where it is not UTF-8."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
 def fail(code: int, *lines: str) -> NoReturn:
     """Say why on stderr and leave with that exit code."""
     from trainer.io.lines import plain  # noqa: PLC0415  not for help
@@ -122,6 +129,26 @@ def fail(code: int, *lines: str) -> NoReturn:
     for line in lines:
         click.echo(f"trainer: {plain(line)}", err=True)
     sys.exit(code)
+
+
+def memory_limit() -> str:
+    """Return what memory this process may have, and what gives more; "" without limit."""
+    try:
+        import resource  # noqa: PLC0415  not on Windows, which sets none
+    except ImportError:
+        return ""
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit == resource.RLIM_INFINITY:
+        return ""
+    return f"; this process may have {limit / 1e6:.0f} MB (ulimit -v {limit // 1024}): give it more"
+
+
+def cause_of(lost: OSError) -> str:
+    """Return why an OSError came: its file, if any, and the system's words."""
+    name = "" if lost.filename is None else f"{lost.filename}: "
+    if lost.strerror:
+        return f"{name}{lost.strerror}"
+    return f"{name}{str(lost) or type(lost).__name__}".removesuffix(".")
 
 
 def main() -> None:
@@ -135,14 +162,23 @@ def main() -> None:
 
 def run_command(command: click.Command, name: str) -> NoReturn:
     """Run a command. A user's mistake is told on stderr, exit code 2."""
+    show_any_name()
+    limit = memory_limit()  # asked for while there is memory
     try:
         sys.exit(command(prog_name=name, standalone_mode=False))
     except ConfigError as wrong:
         fail(2, *str(wrong).splitlines())
     except click.UsageError as wrong:
         path = wrong.ctx.command_path if wrong.ctx else name
-        fail(2, f"{wrong.format_message()} ({path} --help says more)")
+        told = " ".join(wrong.format_message().split())  # choices have a line each
+        fail(2, f"{told} ({path} --help says more)")
     except click.Abort:
         fail(130, "interrupted")
     except OSError as lost:  # the disk behind the output is full; click handles a closed pipe
-        fail(1, str(lost.strerror or lost))
+        fail(1, f"{cause_of(lost)}{'' if lost.strerror else limit}")  # a library was not loaded
+    except (MemoryError, ImportError, SystemError) as lack:
+        if not (limit or isinstance(lack, MemoryError)):
+            raise  # a fault of the program's own, told whole
+        cause = str(lack) if isinstance(lack, ImportError) else "out of memory"
+        click.echo(f"trainer: {cause}{limit}", err=True)  # `fail` imports
+        sys.exit(1)

@@ -65,8 +65,8 @@ def run(*, teletype: bool, **options: Any) -> None:
 
     On a terminal it shows the instructor's console, F1 its help; without any option it asks first
     which exercise it shall be, and Enter sails freely. Orders are typed at any time.
-    Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat
-    is lost or the recording failed, 2 wrong input.
+    Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat or
+    the exercise is lost, or the recording failed, 2 wrong input.
     """
     asked = run_options(options)
     if asked.browse or asked.web:
@@ -288,7 +288,7 @@ def attach(url: str | None, token: str | None, *, teletype: bool) -> None:
 
 
 @click.command()
-@click.argument("role", type=click.Choice(ROLES))
+@click.argument("role", type=click.Choice(ROLES), metavar="ROLE")
 @connect_options
 @teletype_option
 def station(role: str, url: str | None, token: str | None, *, teletype: bool) -> None:

@@ -29,7 +29,8 @@ class Commands(click.Group):
         """Write each section's commands with the first sentence of their help."""
         del ctx
         width = max(len(command.name or "") for command in self.commands.values())
-        for title, commands in self.sections.items():
+        sections = self.sections or {"Commands": [*self.commands.values()]}
+        for title, commands in sections.items():
             with formatter.section(title):
                 formatter.write_dl(
                     [

@@ -4,6 +4,7 @@ import hashlib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -40,6 +41,7 @@ from trainer.config.schema import (
 )
 from trainer.config.score_rules import Rule, Score, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
+from trainer.config.sound_rows import Readers, sound_rows
 from trainer.config.words import EQUATIONS
 from trainer.config.world import READERS, WORLD_RECORDS, WorldTables, read_world
 from trainer.io.orders.grammar import Order, parse, to_the_crew
@@ -300,8 +302,9 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
         parts["heading"] = replace(heading, vessel=heading.vessel and beside(path, heading.vessel))
         if heading.seed is not None and heading.seed != int(heading.seed):
             problems.append(place.wrong("seed", heading.seed, "must be a whole number"))
-        if heading.casualty_table is not None:
-            parts["casualties"] = load_casualties(beside(path, heading.casualty_table))
+    with collecting(problems):
+        if isinstance(own_table := table.get("casualty_table"), str):
+            parts["casualties"] = load_casualties(beside(path, own_table))
     for name, record in (("initial", Initial), ("limits", Limits)):
         with collecting(problems):
             given = table.get(name, {})
@@ -376,19 +379,26 @@ def _orders(table: Mapping[str, object], place: Place) -> list[Scheduled]:
     """Return the orders and their times; ConfigError with all that are none."""
     problems: list[str] = []
     found = []
-    for i, row in enumerate(ORDERS.read("orders", table.get("orders", []), place)):
-        inside = place.inside(f"orders[{i}]")
-        order = parse(row.order)
-        if not isinstance(order, Order):
-            reason = order.reason if order else "is no order"
-            problems.append(inside.wrong("order", row.order, reason))
-        elif order.name in UNSCHEDULED:
-            problems.append(inside.wrong("order", row.order, "has no place in a schedule"))
-        else:
-            found.append(Scheduled(row.at_s, to_the_crew(order), i + 1))
+    rows: object = table.get("orders", [])
+    readers: Readers = {"order": _read_order}
+    for i, inside, row in sound_rows(ORDERS, rows, place.inside("orders"), readers, problems):
+        with collecting(problems):
+            order = _read_order(row.order, inside)
+            found.append(Scheduled(row.at_s, order, i + 1))
     if problems:
         raise ConfigError(*problems)
     return found
+
+
+def _read_order(text: str, place: Place) -> Order:
+    """Return a scheduled order; ConfigError if it is none."""
+    order = parse(text)
+    if not isinstance(order, Order):
+        reason = order.reason if order else "is no order"
+        raise ConfigError(place.wrong("order", text, reason))
+    if order.name in UNSCHEDULED:
+        raise ConfigError(place.wrong("order", text, "has no place in a schedule"))
+    return to_the_crew(order)
 
 
 def _casualties(
@@ -402,17 +412,20 @@ def _casualties(
     drawn: list[Drawn] = []
     timed: list[Scheduled] = []
     armed: list[Armed] = []
-    rows = CASUALTIES.read("casualties", table.get("casualties", []), place)
-    for i, row in enumerate(rows):
-        inside = place.inside(f"casualties[{i}]")
+    rows = table.get("casualties", [])
+    readers: Readers = {"name": partial(_entry_named, known), "when": compile_condition}
+    array = place.inside("casualties")
+    for i, inside, row in sound_rows(CASUALTIES, rows, array, readers, problems):
+        condition = None
+        with collecting(problems):
+            condition = row.when and compile_condition(row.when, inside)
         with collecting(problems):
             casualty = _known_casualty(row, inside, known)
             if row.within_s is None and row.one_of is None:
                 timed += _timed_casualty(_settled(Drawn(row=row, number=i), 0), i)
             else:
                 drawn.append(Drawn(row=row, number=i))
-            if row.when is not None:
-                condition = compile_condition(row.when, inside)
+            if condition:
                 rule = row.rule or "once"
                 armed.append(Armed(condition=condition, casualty=casualty, rule=rule))
     if problems:
@@ -426,12 +439,17 @@ AT_A_TIME: Final = {  # what is settled before the run, as when has no time yet
 }
 
 
+def _entry_named(known: Mapping[str, Casualty], name: str, place: Place) -> Casualty:
+    """Return the casualty of that name as its table has it; ConfigError if there is none."""
+    if name not in known:
+        text = f"no such casualty{nearest(name, known)}; `trainer casualties` lists them"
+        raise ConfigError(place.wrong("name", name, text))
+    return known[name]
+
+
 def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty]) -> Casualty:
     """Return the casualty as severe and sudden as the row says; ConfigError on what is wrong."""
-    if row.name not in known:
-        text = f"no such casualty{nearest(row.name, known)}; `trainer casualties` lists them"
-        raise ConfigError(place.wrong("name", row.name, text))
-    entry = known[row.name]
+    entry = _entry_named(known, row.name, place)
     entry = replace(
         entry,
         severity=entry.severity if row.severity is None else row.severity,

@@ -23,6 +23,7 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.score_rules import ANSWERS
+from trainer.config.sound_rows import Readers, sound_rows
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import LATEST
 
@@ -116,10 +117,11 @@ def read_crew(table: Mapping[str, object], place: Place) -> Crew:
     if isinstance(table.get("crew"), dict):
         raise ConfigError(place.problem("[crew]: one reference crew, its rules [[crew]] each"))
     rules: list[CrewRule] = []
-    with collecting(problems):
-        for i, row in enumerate(RULES.read("crew", table.get("crew", []), place)):
-            with collecting(problems):
-                rules.append(_read_rule(row, i, place.inside(f"crew[{i}]")))
+    readers: Readers = {"when": compile_conditions, "order": parse_crew_order}
+    array = place.inside("crew")
+    for i, inside, row in sound_rows(RULES, table.get("crew", []), array, readers, problems):
+        with collecting(problems):
+            rules.append(_read_rule(row, i, inside))
     planesman, helmsman = Planesman(), Helmsman()
     with collecting(problems):
         planesman = _ways(Planesman, "planesman", table, place)

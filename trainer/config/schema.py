@@ -328,13 +328,17 @@ class Rows:
 
     def read(self, key: str, value: object, place: Place) -> tuple[Any, ...]:
         """Return the records in the order of the file; ConfigError with all that is wrong."""
+        return tuple(
+            read_record(self.record, row, place.inside(f"{key}[{i}]"), self.documentary)
+            for i, row in enumerate(self.listed(key, value, place))
+        )
+
+    def listed(self, key: str, value: object, place: Place) -> list[Any]:
+        """Return the rows as they are written; ConfigError if these are no such list."""
         if not isinstance(value, list) or not self.fewest <= len(value) <= self.most:
             text = f"must be {self.fewest} to {self.most} tables [[{place.inside(key).table}]]"
             raise ConfigError(place.wrong(key, value, text))
-        return tuple(
-            read_record(self.record, row, place.inside(f"{key}[{i}]"), self.documentary)
-            for i, row in enumerate(value)
-        )
+        return value
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 from trainer.config.casualties import Casualty
@@ -9,6 +10,7 @@ from trainer.config.condition import EVERY, Condition, compile_conditions, parse
 from trainer.config.condition import nearest_quantity as guess
 from trainer.config.files import ConfigError, Place, collecting, nearest
 from trainer.config.schema import Choice, Choices, Quantity, Rows, Text, above, of, optional, within
+from trainer.config.sound_rows import Readers, sound_rows
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.schedule import LATEST
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
@@ -276,10 +278,8 @@ def understood(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
     found: dict[str, Casualty | None] = {}
     for key in ("casualty", "since"):
         name = getattr(score, key)
-        found[key] = None if name is None else known.get(name)
-        if name is not None and found[key] is None:
-            told = f"no such casualty{nearest(name, known)}"
-            problems.append(place.wrong(key, name, told))
+        with collecting(problems):
+            found[key] = None if name is None else _casualty_named(known, key, name, place)
     if score.full == score.zero:
         problems.append(place.wrong("zero", score.zero, "must not be the value of full"))
     if score.to_s is not None and score.to_s < (score.from_s or 0.0):
@@ -287,6 +287,20 @@ def understood(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
     if problems:
         raise ConfigError(*problems)
     return Rule(score=score, measured=measured or None, conditions=conditions, **found)
+
+
+def _casualty_named(known: Mapping[str, Casualty], key: str, name: str, place: Place) -> Casualty:
+    """Return the casualty that a key names; ConfigError if there is none."""
+    if name not in known:
+        raise ConfigError(place.wrong(key, name, f"no such casualty{nearest(name, known)}"))
+    return known[name]
+
+
+def _refuse_unknown(measure: str, place: Place) -> None:
+    """Raise ConfigError if there is no such measure."""
+    if measure not in MEASURES:
+        guess = nearest(measure, MEASURES) or f"; there are: {', '.join(MEASURES)}"
+        raise ConfigError(place.wrong("measure", measure, f"no such measure{guess}"))
 
 
 def parse_quantity(text: str, place: Place) -> Measured:
@@ -311,8 +325,15 @@ def read_rules(
     """Return the rules of an exercise file; ConfigError with all that is wrong in them."""
     problems: list[str] = []
     rules: list[Rule] = []
-    for i, score in enumerate(SCORES.read("scores", table.get("scores", []), place)):
-        inside = place.inside(f"scores[{i}]")
+    readers: Readers = {
+        "measure": _refuse_unknown,
+        "quantity": parse_quantity,
+        "when": compile_conditions,
+        "casualty": partial(_casualty_named, known, "casualty"),
+        "since": partial(_casualty_named, known, "since"),
+    }
+    rows, array = table.get("scores", []), place.inside("scores")
+    for _, inside, score in sound_rows(SCORES, rows, array, readers, problems):
         with collecting(problems):
             rules.append(_read_rule(score, inside, known))
     names = [rule.score.name for rule in rules]
@@ -331,10 +352,8 @@ def _read_rule(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
     problems: list[str] = []
     with collecting(problems):
         rule = understood(score, place, known)
-    if score.measure not in MEASURES:
-        guess = nearest(score.measure, MEASURES) or f"; there are: {', '.join(MEASURES)}"
-        problems.append(place.wrong("measure", score.measure, f"no such measure{guess}"))
-    else:
+    with collecting(problems):
+        _refuse_unknown(score.measure, place)
         problems += _unfit(score, place)
     if not problems:
         problems += _check_target(rule, place)

@@ -55,6 +55,7 @@ class Conduct:
     clock: Callable[[], float] = time.monotonic
     ready: list[Station] = field(default_factory=list)
     begun: bool = False  # time has run
+    halted: str = ""  # what the exercise has frozen time for, until it runs again
     compiled_from: int = 0  # the tick, where the run began interpreted
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
     command: Command = field(init=False)
@@ -142,6 +143,7 @@ class Conduct:
         elif how == "freeze":
             self.control.time.pacer.freeze()
             self.control.steps = 0
+            self.halted = why
             self.log.tell("time", f"frozen: {why}")
             self.show()
 
@@ -159,6 +161,7 @@ class Conduct:
     def settle(self) -> None:
         """Take the moment as it is after a jump in time. Nothing of the end is news."""
         self.ending.begin_again()
+        self.halted = ""
         self.ground.settle()
         if self.control.boat.ticks == 0:
             self.begun = False
@@ -182,7 +185,8 @@ class Conduct:
         """Tell that nobody is left to say run. Return so, "" where the exercise is over anyway."""
         if self.ending.over:
             return ""
-        why = f"frozen at {self.control.boat.time:g} s, and nobody is left to say run"
+        cause = f" by {self.halted}" if self.halted else ""
+        why = f"frozen at {self.control.boat.time:g} s{cause}, and nobody is left to say run"
         self.log.tell("time", why)
         return why
 
@@ -319,6 +323,7 @@ class Conduct:
         if self.ending.over:
             asked.station.answer(asked, Refused(OVER))
             return True
+        self.halted = ""
         late = [each.who for each in self._crew() if each not in self.ready]
         if late and not self.begun and asked.order.name == "run":
             self.log.tell("station", f"not ready: {', '.join(late)}")

@@ -65,7 +65,9 @@ def time_to(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
     first = int(outside[-1]) + 1 if outside.size else 0
     if first == ticks.size:
         beyond = abs(float(_off(trajectory, rows, rule)[-1])) - (rule.score.band or 0.0)
-        return Attained(None, None, f"not in the band at the end, {beyond:.2g} beyond it")
+        unit = rule.measured.unit if rule.measured else ""
+        far = f"{float(f'{beyond:.2g}'):g} {unit}"  # two digits that count
+        return Attained(None, None, f"not in the band at the end, {far} beyond it")
     seconds = float(ticks[first] - ticks[0]) * trajectory.boat.method.step
     return Attained(seconds, int(ticks[first]))
 

@@ -37,6 +37,7 @@ from trainer.analysis.report.svg import (
 from trainer.config.files import ConfigError, json_text
 from trainer.core.kernel import Numbers
 from trainer.io.atomic_write import write_whole
+from trainer.io.lines import plain
 from trainer.session.header import plan_of, reading
 
 BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
@@ -55,7 +56,7 @@ def render(debrief: DebriefData, boat: str = "") -> str:
         parts=list(_parts(debrief)),
         boat=boat,
         version=__version__,
-        source=debrief.source.name,
+        source=plain(debrief.source.name),
     )
 
 

@@ -15,6 +15,7 @@ from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict
 from trainer.analysis.report.html import paragraph, table
 from trainer.analysis.report.svg import clock
 from trainer.core.cache import same_core
+from trainer.io.lines import plain
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Journalled
 
@@ -479,6 +480,6 @@ def run_facts(debrief: DebriefData) -> Markup:
         ("trainees", ", ".join(debrief.trainees) or "-"),
         ("recorded", (header.get("started", "-"))),
         ("trainer", (f"{header.get('trainer', '-')}, core {header.get('core', '-')}")),
-        ("record", (debrief.source.name)),
+        ("record", plain(debrief.source.name)),
     ]
     return table(("", ""), rows, "facts")

@@ -41,8 +41,9 @@ UNITS: Final = {  # of the file, to SI and radians
 WORDS: Final = Text(500, "what it is, and whose")
 SPEED: Final = Quantity("m/s", within(0, 50), "at which it begins; 0: from rest")
 PARAMETER: Final = Quantity("-", within(-1e6, 1e6), "of a manoeuvre, in the unit of its name")
+VALUE: Final = Quantity("-", within(-1e9, 1e9), "as published, in the unit of its result")
 STEP: Final = 0.2  # of the boat's own: the step of Runge and Kutta
-READING: Final = re.compile(r"(\w+) after ([\d.]+) s")
+READING: Final = re.compile(r"(\w+) after (\d+(?:\.\d*)?) s")
 
 
 @dataclass(frozen=True)
@@ -224,9 +225,10 @@ def _read_result(row: Any, columns: tuple[str, ...], place: Place) -> Published:
     quantity, unit, *values = row
     if not isinstance(unit, str) or unit not in UNITS:
         raise ConfigError(place.wrong("results", unit, f"unit must be one of {', '.join(UNITS)}"))
-    if not all(isinstance(value, int | float) or value == "" for value in values):
-        raise ConfigError(place.wrong("results", row, "values must be numbers, or '' for none"))
-    numbers = tuple(None if value == "" else float(value) for value in values)
+    numbers = tuple(
+        None if value == "" else VALUE.read(f"results, {quote(str(quantity))}", value, place)
+        for value in values
+    )
     return Published(str(quantity), unit, numbers)
 
 

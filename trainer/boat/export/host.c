@@ -1,6 +1,6 @@
 /* A host in plain C: the boat turns, dives and slows down, and each tick is a row of CSV.
 
-       cc -O2 -o host host.c trainer_core.o
+       cc -O2 -ffp-contract=off -o host host.c trainer_core.o
        ./host 7200 end.bin > run.csv
 
    The last state, to the bit, goes into the file named second. */

@@ -132,7 +132,7 @@ def render(exported: Exported, folder: Path, files: tuple[str, ...]) -> str:
         *(f"  {name:10}{count:8,}" for name, count in words.items()),
         f"  {'together':10}{sum(words.values()):8,}",
         "",
-        f"cc -O2 -o host {folder / HOST} {folder / OBJECT}",
+        f"cc -O2 -ffp-contract=off -o host {folder / HOST} {folder / OBJECT}",
     ]
     return "\n".join(lines)
 

@@ -8,6 +8,7 @@ that counts as 0. WRITES are PLACE=RULE:ARGUMENT, done in order:
 
     const V      V
     number S     S x
+    over S       x / S
     place P      what stands at place P
     short P      the angle x, as the turns nearest to the angle at place P
     shorter P    the angle at PLACE itself, likewise
@@ -125,6 +126,11 @@ def _propeller(boat: Boat) -> Iterator[str]:
     held = {"speed_by_hand": _const(1.0)}
     turns = Range(float(c.u_c_astern) - SLACK, float(c.u_c_ahead) + SLACK, knot)
     yield _row("turns", {"ordered_u_c": "number:1.0", **held}, turns)
+    rate = boat.file.propulsion.rps_per_mps
+    said, minute = NUMBERS["RPM"], NUMBERS["RPM"].units[0].factor
+    slowest, fastest = max(turns.low * rate, said.low * minute), said.high * minute
+    revolutions = Range(slowest, min(turns.high * rate, fastest), minute)
+    yield _row("rpm", {"ordered_u_c": f"over:{rate!r}", **held}, revolutions)
     yield _row("bell stop", {"ordered_u_c": _const(0.0), **held})
     for bell, speed in boat.file.propulsion.bells_kn.items():
         way, _, how = bell.partition("_")

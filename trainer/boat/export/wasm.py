@@ -65,7 +65,6 @@ INSTALL: Final = (
     "Windows: winget install LLVM.LLVM"
 )
 # the machine that the kernels are lowered for: what it lacks is not in the text either
-# the machine that the kernels are lowered for: what it lacks is not in the text either
 PLAIN: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 CHILD: Final = "import sys; from trainer.boat.export import wasm; wasm.lower(*sys.argv[1:])"
 WANTED: Final = np.dtype(np.float64)  # of a sea: its quantities and the taper
@@ -246,9 +245,14 @@ def method_of(boat: Boat) -> str:
     return f"{m.equations} set, {m.rates} rates, {m.trig} angles, {m.integrator}"
 
 
+def card_shipped() -> dict[str, str]:
+    """Return the card of the trainer's module."""
+    return dict(line.split(" ", 1) for line in SHIPPED.with_name(CARD).read_text().splitlines())
+
+
 def shipped(boat: Boat) -> bytes:
     """Return the module of the trainer; ConfigError where it is not for this boat."""
-    card = dict(line.split(" ", 1) for line in SHIPPED.with_name(CARD).read_text().splitlines())
+    card = card_shipped()
     if not same_core(card["core"]):
         raise ConfigError(
             f"{SHIPPED}: of core {card['core']}, not {core_digest()}: trainer export-core DIR "
@@ -259,6 +263,15 @@ def shipped(boat: Boat) -> bytes:
             f"{boat.file.path.name}: {method_of(boat)}; a page's boat has the {card['method']}"
         )
     return SHIPPED.read_bytes()
+
+
+def misfit(boat: Boat) -> str:
+    """Return why the trainer's module is not for this boat, "" if it is."""
+    card = card_shipped()
+    if not same_core(card["core"]):
+        return f"of core {card['core']}, not {core_digest()}"
+    own = method_of(boat)
+    return "" if own == card["method"] else f"for the {card['method']}, not the {own}"
 
 
 def numbers_of(boat: Boat) -> dict[str, Any]:
@@ -278,12 +291,29 @@ def numbers_of(boat: Boat) -> dict[str, Any]:
     }
 
 
+def module_of(boat: Boat) -> tuple[bytes, bytes]:
+    """Return a module for a boat's method, and its card.
+
+    It is built here, or else is the trainer's own. ConfigError where nothing links it here, and
+    the trainer's is for another core or method.
+    """
+    if shutil.which(LINKER):
+        module = build(boat.records.scheme)
+        return module, card_text(module, boat).encode()
+    if why := misfit(boat):
+        raise ConfigError(
+            f"--cpu {WASM32}: there is no linker {LINKER} here, and the {MODULE} that comes with "
+            f"the trainer is {why}. {INSTALL}"
+        )
+    return SHIPPED.read_bytes(), SHIPPED.with_name(CARD).read_bytes()
+
+
 def files_of(boat: Boat) -> dict[str, bytes]:
     """Return the files of an export for WebAssembly, by name."""
-    module = build(boat.records.scheme)
+    module, card = module_of(boat)
     return {
         MODULE: module,
-        CARD: card_text(module, boat).encode(),
+        CARD: card,
         NUMBERS: json.dumps(numbers_of(boat)).encode(),
         HOST: Path(__file__).with_name(HOST).read_bytes(),
     }

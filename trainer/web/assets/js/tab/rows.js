@@ -35,6 +35,7 @@ export function carryOut(row, x, state) {
   for (const { place, rule, argument } of row.writes) {
     if (rule === "const") state[place] = argument;
     else if (rule === "number") state[place] = argument * x;
+    else if (rule === "over") state[place] = x / argument;
     else if (rule === "place") state[place] = state[argument];
     else {
       const near = state[argument];

@@ -1,0 +1,157 @@
+"""What the command line tells when the machine, or what is typed, does not do."""
+
+import errno
+import os
+import resource
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import click
+import pytest
+from helpers.places import environment
+
+import trainer
+from trainer.cli import main
+
+Typed = Callable[..., str]
+
+
+def typed(*words: str | bytes, folder: Path, memory: int | None = None) -> tuple[int, str, str]:
+    """Run a command of the trainer in a folder; return exit code, stdout and stderr.
+
+    ``memory`` [kB] is what it may have, as ``ulimit -v`` sets it.
+    """
+    limit = f"ulimit -v {memory}; " if memory else ""
+    done = subprocess.run(
+        ["sh", "-c", f'{limit}exec "$@"', "sh", sys.executable, "-m", "trainer", *words],
+        cwd=folder,
+        env=environment(),
+        capture_output=True,
+        timeout=600,
+        check=False,
+    )
+    out, told = (each.decode(errors="replace") for each in (done.stdout, done.stderr))
+    return done.returncode, out, told
+
+
+@pytest.fixture
+def fallen(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Typed:
+    """Give what runs the command line into an exception, and returns what is told."""
+
+    def run(error: BaseException, limit: int = resource.RLIM_INFINITY) -> str:
+        def fall(**_: object) -> None:
+            raise error
+
+        monkeypatch.setattr(main, "cli", fall)
+        monkeypatch.setattr(resource, "getrlimit", lambda _: (limit, limit))
+        with pytest.raises(SystemExit) as ended:
+            main.main()
+        assert ended.value.code == 1
+        return capsys.readouterr().err
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)), "No space left on device"),
+        (OSError(errno.EACCES, "Permission denied", "x.csv"), "x.csv: Permission denied"),
+        (OSError("cannot load libllvmlite.so."), "cannot load libllvmlite.so"),
+        (OSError(), "OSError"),
+        (MemoryError(), "out of memory"),
+    ],
+)
+def test_what_the_system_refused_is_told_with_its_cause(
+    error: Exception, told: str, fallen: Typed
+) -> None:
+    assert fallen(error) == f"trainer: {told}\n"
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (OSError("cannot load libllvmlite.so"), "cannot load libllvmlite.so"),
+        (MemoryError(), "out of memory"),
+        (SystemError("error return without exception set"), "out of memory"),
+        (ImportError("libx.so: failed to map segment"), "libx.so: failed to map segment"),
+    ],
+)
+def test_a_process_with_little_memory_is_told_how_to_have_more(
+    error: Exception, told: str, fallen: Typed
+) -> None:
+    limit = "; this process may have 338 MB (ulimit -v 330000): give it more\n"
+
+    assert fallen(error, 330_000 * 1024) == f"trainer: {told}{limit}"
+
+
+def test_a_fault_of_the_program_itself_is_told_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fall(**_: object) -> None:
+        raise ImportError("no name of that kind")
+
+    monkeypatch.setattr(main, "cli", fall)
+    with pytest.raises(ImportError):
+        main.main()
+
+
+@pytest.mark.parametrize("memory", [330_000, 250_000, 150_000])
+def test_a_run_without_enough_memory_ends_without_a_traceback(memory: int, tmp_path: Path) -> None:
+    words = ("run", "--headless", "--speed", "max", "--duration", "1")
+
+    code, _, told = typed(*words, folder=tmp_path, memory=memory)
+
+    assert code != 0
+    assert told.strip()
+    assert "Traceback" not in told
+    assert "None" not in told
+    assert "SystemError" not in told
+
+
+@pytest.mark.parametrize("group", ["exercise", "vessel"])
+def test_the_help_of_a_group_lists_its_commands(group: str) -> None:
+    command = main.cli.commands[group]
+    assert isinstance(command, click.Group)
+    context = click.Context(command, info_name=group, parent=click.Context(main.cli))
+    _, _, listed = command.get_help(context).partition("Commands:")
+
+    assert [line.split()[0] for line in listed.splitlines() if line[:3].strip()[:1].isalpha()] == [
+        *command.commands
+    ]
+
+
+def test_a_word_that_lacks_is_told_in_one_line_with_the_choices(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["trainer", "station"])
+
+    with pytest.raises(SystemExit) as ended:
+        main.main()
+
+    told = capsys.readouterr().err
+    assert ended.value.code == 2
+    assert told.startswith("trainer: Missing argument 'ROLE'. Choose from: instructor, helm, ")
+    assert told.count("\n") == 1
+    assert "\\" not in told
+
+
+def test_a_file_whose_name_is_not_utf8_is_recorded_debriefed_and_listed(tmp_path: Path) -> None:
+    name = b"nam\xff.trainer"
+    with trainer.Boat(record=tmp_path / "run.trainer") as boat:
+        boat.run(20)
+    shutil.copy(tmp_path / "run.trainer", tmp_path / os.fsdecode(name))
+    for words in (
+        ("debrief", name),
+        ("debrief", name, "--json"),
+        ("debrief", name, "--html", "fly.html", "--fly"),
+        ("recordings", "."),
+        ("export", name, "--csv", b"nam\xff.csv"),
+        ("replay", name),
+    ):
+        code, _, told = typed(*words, folder=tmp_path)
+        assert (code, told) == (0, ""), words
+
+    page = (tmp_path / os.fsdecode(b"nam\xff.html")).read_text(encoding="utf-8")
+    assert r"nam\udcff.trainer" in page
