@@ -36,11 +36,11 @@ PACKAGES = {
 FILES = {"__init__.py", "__main__.py", "units.py"}
 MOST = {  # modules, in the rooms that were made fewer
     "io": 27,
-    "config": 31,
+    "config": 32,
     "session": 51,
     "console": 25,
     "web": 7,
-    "analysis": 92,
+    "analysis": 93,
     "cli": 21,
 }
 SOURCES = sorted(PACKAGE.rglob("*.py"))
