@@ -21,6 +21,7 @@ from trainer.analysis.debrief.judgement import MOST_NOBODY, judge, plain_marks
 from trainer.analysis.debrief.scoring import Scorecard, formula_of
 from trainer.analysis.debrief.trajectory import lacks
 from trainer.analysis.rehearsal import CREW, Rehearsal, fly
+from trainer.analysis.stated import fly_stated
 from trainer.boat.boat import Boat
 from trainer.boat.reference_crew import Reaction
 from trainer.config.baseline import (
@@ -32,7 +33,7 @@ from trainer.config.baseline import (
     digest_of,
     write_baseline,
 )
-from trainer.config.exercise import load_exercise, parse_exercise
+from trainer.config.exercise import Exercise, load_exercise, parse_exercise
 from trainer.config.files import (
     ConfigError,
     Place,
@@ -264,7 +265,8 @@ def check(name: str) -> list[str]:
     checked = flown(plan)
     if checked is not None:
         path = path_named(name, "exercises")
-        problems = list(_refused(checked, Place(path.name, "")))
+        place = Place(path.name, "")
+        problems = [*_refused(checked, place), *_misstated(checked, load_exercise(name), place)]
         if problems:
             raise ConfigError(*numbered(problems, read_text(path), path.name))
     return [f"{word:8}{text}" for word, text in _lines(plan, boat, checked)]
@@ -309,6 +311,17 @@ def _refused(checked: Checked, place: Place) -> Iterator[str]:
     verdict = judge(checked.nobody.trajectory, plan, checked.marks).verdict
     if plan.scores and verdict is not None and verdict.outcome == "won":
         yield place.problem("[[scores]]: this exercise is won by standing still")
+
+
+def _misstated(checked: Checked, exercise: Exercise, place: Place) -> Iterator[str]:
+    """Yield the figures of the texts that are not flown so."""
+    flights = {"nobody": checked.nobody}
+    if checked.crew is not None:
+        flights["crew"] = checked.crew
+    for i, figure in enumerate(fly_stated(checked.plan, exercise.stated, flights)):
+        if not figure.holds:
+            inside = place.inside(f"stated[{i}]")
+            yield inside.wrong("says", figure.stated.row.says, figure.difference)
 
 
 def _crew_refused(flown_: Rehearsal, plan: Plan, place: Place) -> Iterator[str]:

@@ -21,6 +21,7 @@ TOLD: Final = (
     "lesson",
     "briefing",
     "instructor",
+    "stated",
     "note",
     "visitors",
 )  # keys that fly nothing

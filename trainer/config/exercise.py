@@ -42,6 +42,7 @@ from trainer.config.schema import (
 from trainer.config.score_rules import Rule, Score, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
 from trainer.config.sound_rows import Readers, sound_rows
+from trainer.config.stated import Stated, StatedRow, read_stated
 from trainer.config.words import EQUATIONS
 from trainer.config.world import READERS, WORLD_RECORDS, WorldTables, read_world
 from trainer.io.orders.grammar import Order, parse, to_the_crew
@@ -178,6 +179,7 @@ RECORDS: Final = {
     "[crew]": CrewRow,
     "planesman": Planesman,
     "helmsman": Helmsman,
+    "[stated]": StatedRow,
 }
 
 
@@ -194,7 +196,7 @@ UNSCHEDULED: Final = (  # they answer a console, or are a person's to say or to 
 
 
 TABLES: Final = (
-    *("initial", "sea", "orders", "casualties", "limits", "scores"),
+    *("initial", "sea", "orders", "casualties", "limits", "scores", "stated"),
     *(*CREW_TABLES, *READERS),
 )
 KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
@@ -234,6 +236,7 @@ class Exercise:
     lost: tuple[Loss, ...]
     crew: Crew
     world: WorldTables
+    stated: tuple[Stated, ...]
 
     def schedule_of(self, seed: int) -> list[Scheduled]:
         """Return the orders and casualties of a seed's run at set times, in order."""
@@ -322,6 +325,8 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
         parts["scores"] = read_rules(table, place, parts["casualties"])
     with collecting(problems):
         parts["crew"] = read_crew(table, place)
+    with collecting(problems):
+        parts["stated"] = read_stated(table, place)
     with collecting(problems):
         parts["world"] = read_world(table, path)
     with collecting(problems):

@@ -13,6 +13,7 @@ from trainer.config.exercise import CASUALTIES, ORDERS, Heading, Initial, Limits
 from trainer.config.reference_crew import RULES, Helmsman, Planesman
 from trainer.config.schema import described, file_schema, object_schema, record_schema
 from trainer.config.score_rules import SCORES
+from trainer.config.stated import STATED
 from trainer.config.world import SCHEMAS
 from trainer.core.terms import COEFFICIENTS, EXTRA_TERMS
 
@@ -81,6 +82,7 @@ def exercise_keys() -> dict[str, dict[str, Any]]:
         **heading,
         **{name: record_schema(record, ("note",)) for name, record in tables.items()},
         **{name: described(kind) for name, kind in rows.items()},
+        "stated": described(STATED),
         "sea": {"anyOf": [{"type": "string"}, sea_table_schema()]},
         **{name: schema() for name, schema in SCHEMAS.items()},
     }

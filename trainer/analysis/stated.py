@@ -1,0 +1,90 @@
+"""The figures that an exercise states are flown, and compared with its texts."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from trainer.analysis.debrief.trajectory import Trajectory
+from trainer.analysis.rehearsal import Rehearsal, fly
+from trainer.config.exercise import load_exercise
+from trainer.config.stated import Stated
+from trainer.session.options import RunOptions
+from trainer.session.plan import Plan, plan_run
+
+
+@dataclass(frozen=True)
+class StatedFigure:
+    """One stated figure and its flight."""
+
+    stated: Stated
+    flown: float | None  # [s] or in the quantity's unit; None: it did not come, or cannot be flown
+    tolerance: float
+
+    @property
+    def holds(self) -> bool:
+        """Return whether the boat does what the text says."""
+        return self.flown is not None and abs(self.flown - self.stated.target) <= self.tolerance
+
+    @property
+    def difference(self) -> str:
+        """Return what is flown instead of what is stated."""
+        stated, row = self.stated, self.stated.row
+        what = row.when if row.when is not None else f"{row.measure} {row.quantity}"
+        by = "nobody aboard" if row.by == "nobody" else "the reference crew"
+        flown = "never so" if self.flown is None else f"{self.flown:.4g} {stated.unit}"
+        told = f"flown by {by}, {what} is {flown}, not {stated.target:g} {stated.unit} within"
+        return f"{told} {self.tolerance:.3g}: correct the text and its row"
+
+
+def figures_flown(name: str) -> list[StatedFigure]:
+    """Return the stated figures of an exercise, flown. ConfigError if it cannot begin."""
+    stated = load_exercise(name).stated
+    return fly_stated(plan_run(RunOptions(exercise=name)), stated, {}) if stated else []
+
+
+def fly_stated(
+    plan: Plan, stated: tuple[Stated, ...], flights: Mapping[str, Rehearsal]
+) -> list[StatedFigure]:
+    """Return stated figures flown. ``flights`` has those by nobody and the crew that are there."""
+    flights = dict(flights)
+    figures = []
+    for entry in stated:
+        given = (f", {order.seconds:g} {order.order.text}" for order in entry.orders)
+        way = entry.row.by + "".join(given)
+        if way not in flights:
+            flights[way] = _fly(plan, entry)
+        trajectory = flights[way].trajectory
+        step = trajectory.boat.method.step if entry.measured is None else 0.0
+        figures.append(
+            StatedFigure(entry, _measured(entry, trajectory), max(entry.tolerance, step))
+        )
+    return figures
+
+
+def _fly(plan: Plan, stated: Stated) -> Rehearsal:
+    """Return the flight of a figure, with the orders given besides."""
+    schedule = sorted([*plan.schedule, *stated.orders], key=lambda entry: entry.seconds)
+    plan = replace(plan, schedule=schedule)
+    return fly(plan, plan.crew if stated.row.by == "crew" else None)
+
+
+def _measured(stated: Stated, trajectory: Trajectory) -> float | None:
+    """Return what the boat does, None if it never does."""
+    row, measured = stated.row, stated.measured
+    names = [condition.quantity for condition in stated.conditions]
+    names += [measured.name] if measured else []
+    if not all(trajectory.has(name) for name in names):
+        return None
+    if measured is None:
+        held = trajectory.between(row.from_s, row.to_s)
+        for condition in stated.conditions:
+            held &= trajectory.holds(condition)
+        return float(trajectory.seconds[np.argmax(held)]) if held.any() else None
+    window = trajectory.between(row.from_s, row.to_s)
+    if row.measure == "value":
+        window = trajectory.between(row.at_s, row.at_s)
+    values = stated.target + trajectory.off(measured, stated.target)[window]
+    if values.size == 0:
+        return None
+    return float(values.max() if row.measure == "highest" else values.min())
