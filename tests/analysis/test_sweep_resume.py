@@ -143,7 +143,7 @@ def test_a_study_is_the_same_from_wherever_it_is_typed(
     path = study(tmp_path, members=600)
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path)
-    results = []
+    results: list[bytes] = []
     for typed in ("turns.toml", "./turns.toml", "elsewhere/../turns.toml", str(path)):
         out = tmp_path / f"{len(results)}.parquet"
         with pytest.raises(ConfigError):

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from helpers.line import Line
@@ -184,7 +185,12 @@ def test_a_jump_reads_and_understands_no_order_however_many_were_given(
     read: list[Journalled] = []
     orders = Past.orders
     monkeypatch.setattr(grammar, "refuse_unreadable", understood.append)  # begins every parse
-    monkeypatch.setattr(Past, "orders", lambda *of: read.extend(orders(*of)) or read)
+
+    def read_orders(*past_of: Any) -> list[Journalled]:
+        read.extend(orders(*past_of))
+        return read
+
+    monkeypatch.setattr(Past, "orders", read_orders)
 
     for jump, stands in zip(jumps, (["course 045"] * 2, last), strict=True):
         assert "branch" in str(here.session.give(jump, "instructor"))

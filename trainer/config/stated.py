@@ -184,7 +184,8 @@ def _read_row(row: StatedRow, page: str, place: Place) -> Stated:
     conditions: tuple[Condition, ...] = ()
     with collecting(problems):
         conditions = compile_conditions(row.when, place) if row.when else ()
-    measured, orders = None, ()
+    measured = None
+    orders: tuple[Scheduled, ...] = ()
     with collecting(problems):
         measured = parse_quantity(row.quantity, place) if row.quantity else None
     with collecting(problems):

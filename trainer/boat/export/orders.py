@@ -134,8 +134,8 @@ def _propeller(boat: Boat) -> Iterator[str]:
     yield _row("bell stop", {"ordered_u_c": _const(0.0), **held})
     for bell, speed in boat.file.propulsion.bells_kn.items():
         way, _, how = bell.partition("_")
-        said = f"bell {way} {how.replace('_', '-')}"
-        yield _row(said, {"ordered_u_c": _const(speed * knot), **held})
+        bell_order = f"bell {way} {how.replace('_', '-')}"
+        yield _row(bell_order, {"ordered_u_c": _const(speed * knot), **held})
 
 
 def _autopilot_orders(boat: Boat) -> Iterator[str]:
