@@ -102,7 +102,7 @@ class StatedRow:
     says: str = of(Text(79, "words of briefing or instructor with the figure, on one line"))
     by: str = usual("nobody", Choice(FLYERS, "who flies: nobody, or the reference crew"))
     orders: tuple[str, ...] | None = optional(
-        Texts(Text(80, "given besides, as in a file of orders: 95 negative flood"), 8)
+        Texts(Text(80, "more orders, as in a file of orders: 95 negative flood"), 8)
     )
     when: str | None = optional(Text(79, "conditions, with and, that first hold at at_s"))
     from_s: float | None = optional(Quantity("s", within(0, LATEST), "not before; else 0"))
