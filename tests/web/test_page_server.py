@@ -136,6 +136,15 @@ def test_every_answer_says_what_a_browser_may_do_with_it(shared: Served, what: s
     assert {name: got.headers.get(name.casefold()) for name in HEADERS} == HEADERS
 
 
+def test_an_address_without_a_page_shows_the_way_back(shared: Served) -> None:
+    got = request(shared.port, "/hlem")
+
+    assert got.status == 404
+    assert got.headers["content-type"].startswith("text/html")
+    assert '<a href="/">' in got.body.decode()
+    assert not CODE_WITHIN.search(got.body.decode())
+
+
 # Data for scripts is no script.
 CODE_WITHIN = re.compile(r'<script(?![^>]*(src=|type="application/json"))|\son\w+=|\sstyle=')
 

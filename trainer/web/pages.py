@@ -94,6 +94,7 @@ class Page:
 
 
 LEAD, CREW, WATCH = "Lead", "Crew", "Watch"
+MISSING_PAGE: Final = Page("missing", "There is no such page", "", "missing.html")
 PAGES: Final = (
     Page("", "Control room", "", "choice.html"),
     Page(

@@ -28,7 +28,7 @@ from trainer.web.address import Address
 from trainer.web.admission import Admission, Room, Visit, WholeRequests, allowed_descriptors
 from trainer.web.bridge import OLDER_PAGE, Allowance, Bridge, Reach
 from trainer.web.gate import Door, Gate, Refusals, policy_of
-from trainer.web.pages import ASSETS, PAGES, Page, render
+from trainer.web.pages import ASSETS, MISSING_PAGE, PAGES, Page, render
 
 KEPT_WORD: Final = "word-"  # how the cookie of a role's token begins
 LONGEST_WORD: Final = LONGEST - len(order_sentence("role instructor ", "999999"))  # [characters]
@@ -73,6 +73,13 @@ def application(reach: Reach, host: str, refusals: Refusals) -> WholeRequests:
             return
         await bridge.carry(page, words_of(page.cookies))
 
+    missing = render(MISSING_PAGE)
+
+    async def show_the_way_back(request: Request, _error: Exception) -> Response:
+        if request.url.path.startswith("/assets/"):  # no person asks for those
+            return PlainTextResponse("not found\n", 404)
+        return HTMLResponse(missing, 404)
+
     async def debrief(request: Request) -> Response:
         key, name = request.path_params["key"], request.path_params["name"]
         try:
@@ -92,6 +99,7 @@ def application(reach: Reach, host: str, refusals: Refusals) -> WholeRequests:
             Mount("/assets", StaticFiles(directory=ASSETS)),
         ],
         middleware=[Middleware(GZipMiddleware, minimum_size=500)],
+        exception_handlers={404: show_the_way_back},
     )
     return WholeRequests(Gate(pages, Door.at(host), refusals))
 
