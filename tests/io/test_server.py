@@ -25,10 +25,10 @@ from trainer.io.connection import (
     MOST_SAID,
     Connection,
     carried_for,
-    machine_of,
 )
 from trainer.io.line import Direct, Joined, Line
 from trainer.io.lines import Overlong
+from trainer.io.machine import machine_of
 from trainer.io.orders.grammar import LONGEST
 from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.server import ROOM, STRANGERS, TURNED_AWAY, Server
@@ -623,7 +623,7 @@ def test_an_impossible_place_to_listen_is_told(host: str, port: int, reason: str
         ("192.168.1.5", "192.168.1.5"),
         ("::ffff:192.168.1.5", "192.168.1.5"),
         ("2001:db8:1:2:3:4:5:6", "2001:db8:1:2::/64"),
-        ("fe80::1%eth0", "fe80::/64"),
+        ("fe80::1%eth0", "fe80::1"),
         ("999.1.1.1", "999.1.1.1"),
     ],
 )

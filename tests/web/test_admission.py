@@ -15,14 +15,13 @@ from helpers.wire import Pages, dialled, make_certificate, pages, request
 from websockets.exceptions import InvalidStatus
 
 from trainer import __version__
+from trainer.io.machine import THIS_MACHINE, machine_of
 from trainer.web import admission
 from trainer.web.admission import (
     MAX_CONNECTIONS,
     MAX_CONNECTIONS_OF_MACHINE,
     MAX_FAREWELLS,
-    THIS_MACHINE,
     Room,
-    machine_of,
 )
 from trainer.web.bridge import A_MACHINE
 from trainer.web.gate import HEADERS

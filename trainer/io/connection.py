@@ -4,7 +4,6 @@ Any thread may take, send and close; the rest belongs to the thread of the hub, 
 connection waits for and calls it when the socket is ready.
 """
 
-import ipaddress
 import math
 import re
 import selectors
@@ -15,6 +14,7 @@ from collections import deque
 from collections.abc import Callable
 
 from trainer.io.lines import LineDecoder, Overlong, line_bytes
+from trainer.io.machine import machine_of
 
 CHUNK = 4096  # [bytes]  read at once
 MOST_HEARD = 256  # [lines]  waiting to be taken; beyond it the socket is not read
@@ -28,24 +28,11 @@ BURST = 16384.0  # [bytes]  read at once before the pace is kept
 # which machine that is, as the PROXY protocol has it, version 1.
 CARRIED = re.compile(r"PROXY TCP[46] ([0-9A-Fa-f:.]+) .*")
 HERE = "here"  # the machine of a program of this user
-HOUSE_BITS = 64  # of an address of IPv6: one house has all that begin with them
 
 # A page in a browser can post orders to a port of its own machine, where no token is asked for.
 BROWSER = re.compile(rb"(?:GET|HEAD|POST|PUT|PATCH|DELETE|OPTIONS|CONNECT|TRACE) ")
 
 READ, WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
-
-
-def machine_of(host: str) -> str:
-    """Return the machine of an address: one name for all that it may choose."""
-    try:
-        address = ipaddress.ip_address(host.partition("%")[0])
-    except ValueError:
-        return host
-    if isinstance(address, ipaddress.IPv4Address):
-        return str(address)
-    mapped = address.ipv4_mapped
-    return str(mapped or ipaddress.IPv6Network((address, HOUSE_BITS), strict=False))
 
 
 def carried_for(host: str) -> str:

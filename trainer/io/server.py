@@ -23,7 +23,8 @@ from pathlib import Path
 from typing import Protocol
 
 from trainer.io import paths
-from trainer.io.connection import CHUNK, MOST_BYTES, READ, Connection, machine_of
+from trainer.io.connection import CHUNK, MOST_BYTES, READ, Connection
+from trainer.io.machine import machine_of
 from trainer.io.serial_line import LinkError
 
 WAITING = 128  # connections that the system keeps until they are taken
@@ -342,7 +343,7 @@ class Server:
         prepare(end)
         connection = Connection(end, self._name(address), self._wake, self._stir)
         connection.local = local
-        connection.machine = "" if local else machine_of(address[0])
+        connection.machine = "" if local else machine_of(address[0], end.getsockname()[0])
         connection.introduce_by = time.monotonic() + self._introduction
         self._connections.append(connection)
         if full:

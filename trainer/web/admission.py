@@ -11,7 +11,6 @@ others have places of their own, so that neither can shut the other out.
 
 import asyncio
 import contextlib
-import ipaddress
 import os
 import socket
 import ssl
@@ -23,9 +22,9 @@ from typing import Final, cast
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from trainer.io.machine import THIS_MACHINE, machine_of
 from trainer.web.gate import HEADERS, Refusals
 
-THIS_MACHINE: Final = "127.0.0.1"  # whatever address its programs come from
 MAX_CONNECTIONS: Final = 500
 MAX_CONNECTIONS_HERE: Final = 100  # of those; no other machine can take them
 MAX_CONNECTIONS_OF_MACHINE: Final = 32  # of another one: a browser opens six, and a line a page
@@ -35,37 +34,10 @@ ANSWER_TIMEOUT_S: Final = 60.0  # for an answer to be made and taken
 FAREWELL_TIMEOUT_S: Final = 2.0
 ACCEPT_PAUSE_S: Final = 1.0  # where the system has no room and nobody gives way
 MAX_BODY_BYTES: Final = 4096  # of a request, that are waited for; its reader refuses what is longer
-SITE_BITS: Final = 64  # of an IPv6 address: one site has all that begin so
 
 DESCRIPTORS_WANTED: Final = 4096
 DESCRIPTORS_RESERVED: Final = 24  # for the server itself, and for farewells
 DESCRIPTORS_OF_CONNECTION: Final = 2  # itself, and its file or its line to the session
-
-
-def machine_of(peer: str, own: str) -> str:
-    """Return what the connections of a machine are counted under.
-
-    ``own`` is the address at which it has come in. A far machine may choose any address of its
-    site; one of this server's own site is a neighbour, and counts alone.
-    """
-    address, here = address_of(peer), address_of(own)
-    if address is None:
-        return peer
-    if address.is_loopback or address == here:
-        return THIS_MACHINE
-    if isinstance(address, ipaddress.IPv4Address) or address.is_link_local:
-        return str(address)
-    site = ipaddress.ip_network((int(address), SITE_BITS), strict=False)
-    return str(address if here in site else site)
-
-
-def address_of(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
-    """Return an address, an IPv4 one where IPv6 carries it; None for no address."""
-    try:
-        address = ipaddress.ip_address(text.partition("%")[0])
-    except ValueError:
-        return None
-    return getattr(address, "ipv4_mapped", None) or address
 
 
 @dataclass(frozen=True)

@@ -23,11 +23,11 @@ from urllib.parse import quote
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from trainer.io.connection import carried_for
+from trainer.io.machine import THIS_MACHINE, machine_of
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import LONGEST, Order
 from trainer.io.orders.sentences import LONGEST_ANSWER
 from trainer.io.serial_line import LinkError
-from trainer.web.admission import THIS_MACHINE, machine_of
 from trainer.web.gate import Refusals
 
 # Why a page's line is closed; a page says what to do about each.
