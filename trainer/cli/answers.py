@@ -47,7 +47,7 @@ def outputs(command: Any) -> Any:
 
 def json_of(value: Any) -> str:
     """Return a value as JSON; an infinite number, or none, is null."""
-    from trainer.config.files import json_text  # noqa: PLC0415
+    from trainer.config.files import json_text
 
     return json_text(value, indent=1)
 
@@ -59,10 +59,10 @@ def show(
     how: dict[str, Any],
 ) -> None:
     """Draw the plot asked for. Print ``report`` as a page or as JSON."""
-    from dataclasses import asdict  # noqa: PLC0415
+    from dataclasses import asdict
 
     if how["plot"]:
-        from trainer.analysis.report.plots import draw  # noqa: PLC0415
+        from trainer.analysis.report.plots import draw
 
         draw(panels(), how["plot"])
     click.echo(json_of(asdict(report)) if how["as_json"] else page(report))
@@ -81,8 +81,8 @@ def show_step(step: int, cost: float) -> None:
 
 def write_text(path: Path, text: str) -> None:
     """Write a file whole; ConfigError if it cannot be written."""
-    from trainer.config.files import ConfigError  # noqa: PLC0415
-    from trainer.io.atomic_write import write_whole  # noqa: PLC0415
+    from trainer.config.files import ConfigError
+    from trainer.io.atomic_write import write_whole
 
     try:
         write_whole(path, text)

@@ -46,23 +46,23 @@ def bench(
               trainer bench --web
               trainer bench --all --json > figures.json
     """
-    import json  # noqa: PLC0415
-    from dataclasses import asdict  # noqa: PLC0415
+    import json
+    from dataclasses import asdict
 
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
     chosen = [name for name, wanted in parts.items() if wanted or everything]
     figures, pages = {}, []
     if everything or not chosen:
-        from trainer.analysis.bench.bench import bench as measure  # noqa: PLC0415
-        from trainer.analysis.bench.bench import render  # noqa: PLC0415
+        from trainer.analysis.bench.bench import bench as measure
+        from trainer.analysis.bench.bench import render
 
         standard = measure(file, seconds or 10)
         pages.append(render(standard))
         figures["standard"] = asdict(standard)
     if chosen:
-        from trainer.analysis.bench.sections import (  # noqa: PLC0415
+        from trainer.analysis.bench.sections import (
             SECTIONS,
             Wanted,
             measure_sections,

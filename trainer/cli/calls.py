@@ -59,7 +59,7 @@ class Answer(Generic[Report, Figure]):
 
         TrainerError where pandas is not installed; the extra ``pandas`` brings it.
         """
-        from trainer.analysis.recording_export import frame_of  # noqa: PLC0415
+        from trainer.analysis.recording_export import frame_of
 
         return frame_of(self.columns)
 
@@ -104,7 +104,7 @@ def manoeuvre(
     The figures are the measures, such as ``figures["advance"].value`` in m. If the boat is lost on
     the way, ``report.lost`` says why. TrainerError with the command's words if something is wrong.
     """
-    from trainer.analysis.manoeuvres.page import render  # noqa: PLC0415
+    from trainer.analysis.manoeuvres.page import render
 
     known = ManoeuvreOptions.__annotations__
     with parsed(guide.manoeuvre, [name, vessel], options, known) as asked:
@@ -137,10 +137,10 @@ def sweep(study: File, **options: Unpack[SweepOptions]) -> "Answer[SweepReport, 
     was drawn and what came of it. TrainerError with the command's words if something is wrong,
     and without the extra ``parquet``.
     """
-    from trainer.analysis.sweep.job import job_of, open_job  # noqa: PLC0415
-    from trainer.analysis.sweep.report import render, report_of  # noqa: PLC0415
-    from trainer.analysis.sweep.results import check_pyarrow  # noqa: PLC0415
-    from trainer.cli.subjects import subject_of  # noqa: PLC0415
+    from trainer.analysis.sweep.job import job_of, open_job
+    from trainer.analysis.sweep.report import render, report_of
+    from trainer.analysis.sweep.results import check_pyarrow
+    from trainer.cli.subjects import subject_of
 
     given = {"jobs": 1, **options}
     with parsed(sweep_command.sweep, [study], given, SweepOptions.__annotations__) as asked:
@@ -210,9 +210,9 @@ def identify_ship(
     ``identify``.
     """
     require_library("scipy", "identify")
-    from trainer.identify import options as studies  # noqa: PLC0415
-    from trainer.identify.pages import record as record_page  # noqa: PLC0415
-    from trainer.identify.pages.identify import render  # noqa: PLC0415
+    from trainer.identify import options as studies
+    from trainer.identify.pages import record as record_page
+    from trainer.identify.pages.identify import render
 
     given, known = (
         {"data_only": data_only, **options},
@@ -233,20 +233,20 @@ def identify_ship(
 
 def vessels() -> dict[str, str]:
     """Return the shipped boats: the name to give, and in words what each is."""
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel
 
     return {name: load_vessel(name).name for name in shipped_names("vessels")}
 
 
 def exercises() -> dict[str, str]:
     """Return the shipped exercises in the order of the course: name and title."""
-    from trainer.config.course import course  # noqa: PLC0415
+    from trainer.config.course import course
 
     return {lesson.name: lesson.title for lesson in course()}
 
 
 def seas() -> dict[str, str]:
     """Return the shipped seas: the name to give, and in words what each is."""
-    from trainer.config.sea import load_sea  # noqa: PLC0415
+    from trainer.config.sea import load_sea
 
     return {name: load_sea(name).name for name in shipped_names("seas")}

@@ -46,11 +46,11 @@ def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) 
         return
     if file is not None:
         raise click.UsageError(f"{file}: the boat is written with -o {file}")
-    from dataclasses import asdict  # noqa: PLC0415
+    from dataclasses import asdict
 
-    from trainer.analysis.estimate.boat_file import load, write_boat  # noqa: PLC0415
-    from trainer.analysis.estimate.page import html_page, render  # noqa: PLC0415
-    from trainer.analysis.estimate.survey import survey, turns_of  # noqa: PLC0415
+    from trainer.analysis.estimate.boat_file import load, write_boat
+    from trainer.analysis.estimate.page import html_page, render
+    from trainer.analysis.estimate.survey import survey, turns_of
 
     if options["reduce"] and output is None:
         raise click.UsageError("--reduce: needs -o, where the boat is written")
@@ -72,7 +72,7 @@ def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) 
 
 def _write_skeleton(file: Path | None) -> None:
     """Write a hull to be changed; ConfigError if the file is there."""
-    from trainer.config.files import as_typed, read_text, shipped, write_once  # noqa: PLC0415
+    from trainer.config.files import as_typed, read_text, shipped, write_once
 
     if file is None:
         raise click.UsageError("new: give the name of the file, such as hull.toml")
@@ -82,9 +82,9 @@ def _write_skeleton(file: Path | None) -> None:
 
 def _write_study(path: Path, boat: Path | None, rudder: float) -> None:
     """Write a study of the turn that draws the boat's coefficients."""
-    from os.path import relpath  # noqa: PLC0415
+    from os.path import relpath
 
-    from trainer.analysis.estimate.boat_file import study_text  # noqa: PLC0415
+    from trainer.analysis.estimate.boat_file import study_text
 
     seen = relpath(boat or "", path.parent)
     write_text(path, study_text(seen, rudder))
@@ -92,7 +92,7 @@ def _write_study(path: Path, boat: Path | None, rudder: float) -> None:
 
 def _reduce(boat: Path | None) -> None:
     """Find the compact set of the boat written, and write it into its file."""
-    from trainer.cli.vessel import reduce  # noqa: PLC0415
+    from trainer.cli.vessel import reduce
 
     if boat is not None:
         sys.stdout.flush()

@@ -72,23 +72,23 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
     with. The bits are the trainer's. Exit code 1 when no C compiler could link the library. With
     --cpu wasm32 it gets core.wasm, boat.json and host.mjs, a host for node.
     """
-    import json  # noqa: PLC0415
+    import json
 
     if cpu == "wasm32":
-        from trainer.boat.export.library import export_wasm, render_wasm  # noqa: PLC0415
+        from trainer.boat.export.library import export_wasm, render_wasm
 
         module = export_wasm(boat_at_start(run_options(options)), directory)
         told = asdict(module)
         click.echo(json.dumps(told, indent=1) if as_json else render_wasm(module, directory))
         return
 
-    from trainer.boat.export.library import (  # noqa: PLC0415
+    from trainer.boat.export.library import (
         LIBRARY,
         add_library,
         export,
         render,
     )
-    from trainer.boat.export.targets import NoCompilerError  # noqa: PLC0415
+    from trainer.boat.export.targets import NoCompilerError
 
     exported = export(boat_at_start(run_options(options)), directory, cpu)
     missing = ""
@@ -132,7 +132,7 @@ def export_page(file: Path, *, recording: Path | None, station: str, **options: 
     Marks are not judged there. With a recording its time line can be dragged and the boat taken
     over at any moment, to the bits of trainer resume.
     """
-    from trainer.analysis.boat_page import write_page  # noqa: PLC0415
+    from trainer.analysis.boat_page import write_page
 
     given = {name: value for name, value in options.items() if value is not None}
     if recording is not None and given:
@@ -143,8 +143,8 @@ def export_page(file: Path, *, recording: Path | None, station: str, **options: 
 
 def page_text(boat: Any, recording: Path | None, station: str) -> str:
     """Return a station's page with a boat or a recording inside."""
-    from trainer.analysis.boat_page import page_of  # noqa: PLC0415
-    from trainer.web.single_file import single_file  # noqa: PLC0415
+    from trainer.analysis.boat_page import page_of
+    from trainer.web.single_file import single_file
 
     parts = page_of(boat, recording, station)
     return single_file(station, parts.boat, parts.core, parts.title)
@@ -152,13 +152,13 @@ def page_text(boat: Any, recording: Path | None, station: str) -> str:
 
 def boat_at_start(options: RunOptions) -> Any:
     """Return the boat of the command line's ``options`` at its start; ConfigError if it cannot."""
-    from trainer.boat.boat import Boat  # noqa: PLC0415
-    from trainer.config.files import ConfigError  # noqa: PLC0415
-    from trainer.config.sea import load_sea  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
-    from trainer.session.plan import choose_method  # noqa: PLC0415
-    from trainer.session.warm_up import refuse_unstable, warm  # noqa: PLC0415
-    from trainer.units import KNOT  # noqa: PLC0415
+    from trainer.boat.boat import Boat
+    from trainer.config.files import ConfigError
+    from trainer.config.sea import load_sea
+    from trainer.config.vessel import load_vessel
+    from trainer.session.plan import choose_method
+    from trainer.session.warm_up import refuse_unstable, warm
+    from trainer.units import KNOT
 
     file = load_vessel(options.vessel)
     sea = load_sea(options.sea or "calm")

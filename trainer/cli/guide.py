@@ -102,12 +102,12 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     """Print the manoeuvres and leave."""
     if not value or ctx.resilient_parsing:
         return
-    from trainer.analysis.manoeuvres.catalogue import (  # noqa: PLC0415
+    from trainer.analysis.manoeuvres.catalogue import (
         MANOEUVRES,
         format_parameters,
         parameters,
     )
-    from trainer.analysis.report.text import table  # noqa: PLC0415
+    from trainer.analysis.report.text import table
 
     rows = []
     for name, manoeuvre in MANOEUVRES.items():
@@ -171,8 +171,8 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
 
     Exit code 1 when the boat is lost on the way.
     """
-    from trainer.analysis.manoeuvres import page  # noqa: PLC0415
-    from trainer.analysis.manoeuvres.catalogue import find_manoeuvre  # noqa: PLC0415
+    from trainer.analysis.manoeuvres import page
+    from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 
     report, flight = fly(vessel, name, options)
     if options["csv"]:
@@ -183,20 +183,20 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
 
 def _page_of(report: "Report") -> "Callable[[Any], str]":
     """Return what renders a report, with its intervals where it has any."""
-    from trainer.analysis.manoeuvres.page import render  # noqa: PLC0415
+    from trainer.analysis.manoeuvres.page import render
 
     if not hasattr(report, "intervals"):
         return render
-    from trainer.identify.ships import vehicle  # noqa: PLC0415
+    from trainer.identify.ships import vehicle
 
     return vehicle.render
 
 
 def manoeuvre_options(options: dict[str, Any]) -> "ManoeuvreOptions":
     """Return what the command's options ask of a manoeuvre."""
-    from trainer.analysis.manoeuvres.catalogue import PARAMETERS  # noqa: PLC0415
-    from trainer.analysis.manoeuvres.page import ManoeuvreOptions  # noqa: PLC0415
-    from trainer.analysis.manoeuvres.submarine import CALM, Rig  # noqa: PLC0415
+    from trainer.analysis.manoeuvres.catalogue import PARAMETERS
+    from trainer.analysis.manoeuvres.page import ManoeuvreOptions
+    from trainer.analysis.manoeuvres.submarine import CALM, Rig
 
     given = {key: options[key] for key in PARAMETERS if options[key] is not None}
     rig = record_of(Rig, {**options, "sea": options["sea"] or CALM})
@@ -205,10 +205,10 @@ def manoeuvre_options(options: dict[str, Any]) -> "ManoeuvreOptions":
 
 def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Flight]":
     """Return report and flight of a boat, or of a ship that was identified."""
-    from trainer.analysis.manoeuvres import page  # noqa: PLC0415
-    from trainer.config.nomoto import is_nomoto  # noqa: PLC0415
-    from trainer.config.ship import is_ship, load_ship  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis.manoeuvres import page
+    from trainer.config.nomoto import is_nomoto
+    from trainer.config.ship import is_ship, load_ship
+    from trainer.config.vessel import load_vessel
 
     asked = manoeuvre_options(options)
     path = ships.path_of(vessel)
@@ -220,10 +220,10 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
         told = f"{vessel} is a ship: {', '.join(unknown)} are for boats"
         raise click.UsageError(told.replace("a ship", "a Nomoto ship") if known[0] else told)
     if known[1]:
-        from trainer.identify.ships.vehicle import fly_ship  # noqa: PLC0415
+        from trainer.identify.ships.vehicle import fly_ship
 
         return fly_ship(load_ship(path), name, asked)
-    from trainer.analysis.manoeuvres.nomoto_ship import steer_ship  # noqa: PLC0415
+    from trainer.analysis.manoeuvres.nomoto_ship import steer_ship
 
     ship = steer_ship(path, asked.step)
     return page.fly_vehicle(ship, name, asked, ship.speed_kn)
@@ -274,9 +274,9 @@ def guide(vessel: str, **options: Any) -> None:
     VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the modified
     set is out of tolerance; trainer reduce finds one that is not.
     """
-    from trainer.analysis.guide import contents, page, summary  # noqa: PLC0415
-    from trainer.analysis.guide.programme import legs, legs_of_1969  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis.guide import contents, page, summary
+    from trainer.analysis.guide.programme import legs, legs_of_1969
+    from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
     earlier = None
@@ -298,8 +298,8 @@ def guide(vessel: str, **options: Any) -> None:
 
 def write_guide(file: Any, legs: Any, made: str, cores: int | None) -> Any:
     """Return the guide's book of some legs, with a progress bar on a terminal."""
-    from trainer.analysis.guide import contents  # noqa: PLC0415
-    from trainer.analysis.guide.programme import processors  # noqa: PLC0415
+    from trainer.analysis.guide import contents
+    from trainer.analysis.guide.programme import processors
 
     count = len(contents.tasks(file, legs))
     with bar(count, "flying") as step:
@@ -308,11 +308,11 @@ def write_guide(file: Any, legs: Any, made: str, cores: int | None) -> Any:
 
 def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
     """Write the page and print it, where asked for; ConfigError if that cannot be."""
-    import tempfile  # noqa: PLC0415
+    import tempfile
 
-    from trainer.analysis.report.html import print_pdf  # noqa: PLC0415
-    from trainer.config.files import ConfigError  # noqa: PLC0415
-    from trainer.io.atomic_write import write_whole  # noqa: PLC0415
+    from trainer.analysis.report.html import print_pdf
+    from trainer.config.files import ConfigError
+    from trainer.io.atomic_write import write_whole
 
     if html is None and pdf is None:
         return

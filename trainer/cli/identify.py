@@ -158,8 +158,8 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
               trainer prbs ship.toml --zigzag 20/20 --speed 15 --speed 15/8
               trainer prbs ship.toml --zigzag 20/20 --amplitude 20
     """
-    from trainer.config.extras import require_library  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.config.extras import require_library
+    from trainer.config.vessel import load_vessel
 
     require_library("scipy", "trainer prbs")
     if ships.is_ship(vessel):
@@ -167,7 +167,7 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
         return
     file = load_vessel(vessel)  # what is no boat, or is not there, is told first
     speed = _only_speed(vessel, options["speeds"])
-    from trainer.identify.pages import experiment as page  # noqa: PLC0415
+    from trainer.identify.pages import experiment as page
 
     sensors = ships.sensors_asked(options)
     asked = record_of(
@@ -203,9 +203,9 @@ def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
 
     The speed is the vessel's own unless it is given; that of a Nomoto ship is in its file.
     """
-    from trainer.config.nomoto import is_nomoto  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
-    from trainer.identify.pages import steering as page  # noqa: PLC0415
+    from trainer.config.nomoto import is_nomoto
+    from trainer.config.vessel import load_vessel
+    from trainer.identify.pages import steering as page
 
     path = Path(vessel)
     if path.suffix == ".toml" and is_nomoto(path):
@@ -231,8 +231,8 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
     \b
     Example:  trainer decca run.toml --csv sway.csv --plot track.png
     """
-    from trainer.identify.pages import decca as page  # noqa: PLC0415
-    from trainer.identify.record.decca_study import load_decca, load_readings, sail, write_track  # noqa: PLC0415
+    from trainer.identify.pages import decca as page
+    from trainer.identify.record.decca_study import load_decca, load_readings, sail, write_track
 
     study = load_decca(file)
     sailed = sail(study, load_readings(study), smooth=smooth)
@@ -349,7 +349,7 @@ def identify(
 
     Exit code 1 when the fit does not settle.
     """
-    from trainer.config.extras import require_library  # noqa: PLC0415
+    from trainer.config.extras import require_library
 
     require_library("scipy", "trainer identify")
     if example is not None:
@@ -358,7 +358,7 @@ def identify(
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
     if options["model"] in ships.MODELS:
         sys.exit(ships.identify(files, options))
-    from trainer.identify.options import IdentifyOptions, study_of  # noqa: PLC0415
+    from trainer.identify.options import IdentifyOptions, study_of
 
     asked = record_of(IdentifyOptions, options, further=files[1:])
     study = study_of(files[0], asked)
@@ -393,9 +393,9 @@ def new(
               trainer identify new trial.csv -o study.toml
               trainer identify new zz20.csv --ship ship.toml
     """
-    from trainer.config.files import as_typed  # noqa: PLC0415
-    from trainer.identify.record.proposal import write_proposal  # noqa: PLC0415
-    from trainer.identify.ships.proposal import fitting, write_ship_file  # noqa: PLC0415
+    from trainer.config.files import as_typed
+    from trainer.identify.record.proposal import write_proposal
+    from trainer.identify.ships.proposal import fitting, write_ship_file
 
     if ship:
         if output or knots:
@@ -417,7 +417,7 @@ def new(
 
 def _example(files: tuple[Path, ...], folder: str) -> Path:
     """Return the study shipped as an example, copied to a folder if one is given."""
-    from trainer.config.files import ConfigError, read_text, shipped, write_once  # noqa: PLC0415
+    from trainer.config.files import ConfigError, read_text, shipped, write_once
 
     if files:
         raise click.UsageError("--example has a record of its own: give no FILE")
@@ -437,7 +437,7 @@ def _example(files: tuple[Path, ...], folder: str) -> Path:
 
 def _data(study: "Study", options: dict[str, Any]) -> int:
     """Show a record alone; return the exit code."""
-    from trainer.identify.pages import record as page  # noqa: PLC0415
+    from trainer.identify.pages import record as page
 
     report, screens = page.carry_out(study)
     show(report, page.render, lambda: screens, options)
@@ -446,11 +446,11 @@ def _data(study: "Study", options: dict[str, Any]) -> int:
 
 def _armax(study: "Study", options: dict[str, Any]) -> int:
     """Fit ARMAX models and show them; return the exit code."""
-    from trainer.identify.pages import armax as page  # noqa: PLC0415
+    from trainer.identify.pages import armax as page
 
     report, orders = page.carry_out(study)
     if options["html"]:
-        from trainer.identify.sheet import sheet  # noqa: PLC0415
+        from trainer.identify.sheet import sheet
 
         text = sheet(report.study, page.render(report), page.screens(orders), report)
         write_text(options["html"], text)
@@ -460,8 +460,8 @@ def _armax(study: "Study", options: dict[str, Any]) -> int:
 
 def fit_ship(study: "Study", asked: "IdentifyOptions") -> "Identified":
     """Return a ship model fitted and what there is to say of it. ConfigError if it cannot be."""
-    from trainer.boat import compilation  # noqa: PLC0415
-    from trainer.identify.pages.results import carry_out  # noqa: PLC0415
+    from trainer.boat import compilation
+    from trainer.identify.pages.results import carry_out
 
     with compilation.announced(FITS, tell, "fits", "identify/kernels"):
         return carry_out(study, asked, show_step)
@@ -469,9 +469,9 @@ def fit_ship(study: "Study", asked: "IdentifyOptions") -> "Identified":
 
 def _model(found: "Identified", options: dict[str, Any]) -> int:
     """Show a ship model that was fitted; return the exit code."""
-    from trainer.identify.pages import identify as page  # noqa: PLC0415
-    from trainer.identify.pages.series import write_series  # noqa: PLC0415
-    from trainer.identify.pages.ship_files import nomoto_text, vessel_text  # noqa: PLC0415
+    from trainer.identify.pages import identify as page
+    from trainer.identify.pages.series import write_series
+    from trainer.identify.pages.ship_files import nomoto_text, vessel_text
 
     report = found.report
     if options["write_nomoto"]:

@@ -23,9 +23,9 @@ def exercises(*, as_json: bool) -> None:
     \b
     Example:  trainer exercises
     """
-    import json  # noqa: PLC0415
+    import json
 
-    from trainer.config.course import course  # noqa: PLC0415
+    from trainer.config.course import course
 
     found = {lesson.name: lesson.title for lesson in course()}
     lines = [f"{name:24}{title}" for name, title in found.items()]
@@ -43,7 +43,7 @@ def vessels(*, as_json: bool) -> None:
     A file of your own is not listed: give its path, such as ./boat.toml, wherever a name is asked
     for. `trainer check VESSEL` tells more.
     """
-    from trainer.config.files import shipped_tables  # noqa: PLC0415
+    from trainer.config.files import shipped_tables
 
     rows = {name: vessel_row(table) for name, table in shipped_tables("vessels").items()}
     lines = [
@@ -75,7 +75,7 @@ def seas(*, as_json: bool) -> None:
     A file of your own is not listed: give its path, such as ./storm.toml, to --sea.
     `trainer sea SEA` shows the waves of one.
     """
-    from trainer.config.files import shipped_tables  # noqa: PLC0415
+    from trainer.config.files import shipped_tables
 
     rows = {
         name: {"name": table["name"], "sea_state": table["sea"]["sea_state"]}
@@ -89,7 +89,7 @@ def seas(*, as_json: bool) -> None:
 
 def print_rows(rows: Mapping[str, Any], lines: list[str], *, as_json: bool) -> None:
     """Print what is listed as JSON, or as lines that fit an ordinary terminal."""
-    import json  # noqa: PLC0415
+    import json
 
     shown = [line if len(line) <= WIDTH else f"{line[: WIDTH - 4].rstrip()} ..." for line in lines]
     click.echo(json.dumps(rows, indent=1) if as_json else "\n".join(shown))
@@ -124,7 +124,7 @@ def new(file: Path, name: str | None, source: str | None) -> None:
     Example:  trainer exercise new drill.toml --name "Lost in the fog"
               trainer exercise new jam.toml --from stern-plane-jam
     """
-    from trainer.analysis.exercise_page import write_new  # noqa: PLC0415
+    from trainer.analysis.exercise_page import write_new
 
     write_new(file, name, source)
 
@@ -140,7 +140,7 @@ def check(file: str) -> None:
     FILE is a path, or the name of a shipped exercise. It is flown with nobody aboard and with its
     reference crew. Exit code 2 when something is wrong, each mistake with its line.
     """
-    from trainer.analysis import exercise_page  # noqa: PLC0415
+    from trainer.analysis import exercise_page
 
     click.echo("\n".join(exercise_page.check(file)))
 
@@ -158,7 +158,7 @@ def baseline(file: str, seeds: int) -> None:
     FILE is a path, or the name of a shipped exercise. The debrief takes from each task what it
     gives with nobody aboard. What is kept is drill.baseline.toml, beside drill.toml.
     """
-    from trainer.analysis import exercise_page  # noqa: PLC0415
+    from trainer.analysis import exercise_page
 
     found = exercise_page.study(file, seeds)
     click.echo("\n".join(exercise_page.table(found)))
@@ -174,9 +174,9 @@ def casualties(tables: tuple[Path, ...], *, as_json: bool) -> None:
     \b
     Example:  trainer casualties
     """
-    import json  # noqa: PLC0415
+    import json
 
-    from trainer.config import casualties as casualties_module  # noqa: PLC0415
+    from trainer.config import casualties as casualties_module
 
     found = casualties_module.load_casualties(*map(str, tables))
     listing = casualties_module.listing(found)
@@ -194,10 +194,10 @@ def instruments(*, sample: bool, as_json: bool) -> None:
               trainer run --nmea udp://127.0.0.1:10110
               trainer serve --nmea /dev/ttyUSB0 --nmea-baud 4800 --nmea-sentences HDT,XDR,ROT
     """
-    import json  # noqa: PLC0415
+    import json
 
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
-    from trainer.session.nmea import page as nmea_page  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel
+    from trainer.session.nmea import page as nmea_page
 
     if sample:
         lines = nmea_page.sample(load_vessel("bb2"))
@@ -213,7 +213,7 @@ def _of_config(name: str) -> Callable[[], dict[str, Any]]:
     """Return what makes the schema of a file that a session reads."""
 
     def make() -> dict[str, Any]:
-        from trainer.config import file_schemas  # noqa: PLC0415
+        from trainer.config import file_schemas
 
         made: dict[str, Any] = getattr(file_schemas, f"{name}_schema")()
         return made
@@ -222,19 +222,19 @@ def _of_config(name: str) -> Callable[[], dict[str, Any]]:
 
 
 def _study() -> dict[str, Any]:
-    from trainer.analysis.sweep.study import study_schema  # noqa: PLC0415
+    from trainer.analysis.sweep.study import study_schema
 
     return study_schema()
 
 
 def _identification() -> dict[str, Any]:
-    from trainer.identify.record.study import identification_schema  # noqa: PLC0415
+    from trainer.identify.record.study import identification_schema
 
     return identification_schema()
 
 
 def _ship() -> dict[str, Any]:
-    from trainer.config.ship import ship_schema  # noqa: PLC0415
+    from trainer.config.ship import ship_schema
 
     return ship_schema()
 

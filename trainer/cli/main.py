@@ -30,7 +30,7 @@ LIBRARIES = ("numpy", "numba", "pyserial", "click", "textual")
 
 def versions() -> str:
     """Return this version and those of the libraries underneath."""
-    from importlib import metadata  # noqa: PLC0415  only here, and it takes its time
+    from importlib import metadata
 
     libraries = [f"{name} {metadata.version(name)}" for name in LIBRARIES]
     return "\n".join([f"trainer {__version__}", f"python {sys.version.split()[0]}", *libraries])
@@ -124,7 +124,7 @@ def show_any_name() -> None:
 
 def fail(code: int, *lines: str) -> NoReturn:
     """Say why on stderr and leave with that exit code."""
-    from trainer.io.lines import plain  # noqa: PLC0415  not for help
+    from trainer.io.lines import plain
 
     for line in lines:
         click.echo(f"trainer: {plain(line)}", err=True)
@@ -134,7 +134,7 @@ def fail(code: int, *lines: str) -> NoReturn:
 def memory_limit() -> str:
     """Return what memory this process may have, and what gives more; "" without limit."""
     try:
-        import resource  # noqa: PLC0415  not on Windows, which sets none
+        import resource
     except ImportError:
         return ""
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)

@@ -43,8 +43,8 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
 
     Exit code 1 when a change of change is beyond what is allowed.
     """
-    from trainer.analysis import compare as program  # noqa: PLC0415
-    from trainer.analysis.series import load_series  # noqa: PLC0415
+    from trainer.analysis import compare as program
+    from trainer.analysis.series import load_series
 
     runs = load_series(full), load_series(other)
     event = program.event_apart(*runs)
@@ -88,8 +88,8 @@ def fit(run: Path, column: str, **options: Any) -> None:
     The starting roots are those of a vessel, or else of the response itself (EC120, EC150,
     EC330). Exit code 1 when the fit does not settle.
     """
-    from trainer.analysis import fit as program  # noqa: PLC0415
-    from trainer.analysis.series import load_series  # noqa: PLC0415
+    from trainer.analysis import fit as program
+    from trainer.analysis.series import load_series
 
     span = options["begin"], options["end"]
     t, y, level = program.response_in(load_series(run), column, span, options["about"])
@@ -110,10 +110,10 @@ def fit(run: Path, column: str, **options: Any) -> None:
 
 def starting_roots(t: Any, y: Any, options: dict[str, Any]) -> tuple[list[complex], str]:
     """Return the roots [1/s] to start from, and their source; UsageError if half is given."""
-    from trainer.analysis import characteristic  # noqa: PLC0415
-    from trainer.analysis.fit import one_of_each, pencil_roots  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
-    from trainer.units import KNOT  # noqa: PLC0415
+    from trainer.analysis import characteristic
+    from trainer.analysis.fit import one_of_each, pencil_roots
+    from trainer.config.vessel import load_vessel
+    from trainer.units import KNOT
 
     vessel, speed, plane = options["vessel"], options["speed"], options["plane"]
     if (vessel is None) != (speed is None):
@@ -149,7 +149,7 @@ DEPTH: Final = click.option(
 
 def speeds_of(file: Any, given: tuple[float, ...]) -> tuple[float, ...]:
     """Return the speeds [kn] given, or round ones over the vessel's range."""
-    from trainer.analysis.check import round_speeds  # noqa: PLC0415
+    from trainer.analysis.check import round_speeds
 
     return tuple(dict.fromkeys(given)) or round_speeds(*file.run.speed_range_kn)
 
@@ -168,8 +168,8 @@ def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: 
 
     With --depth the force and moment of a calm surface act, by the vessel's [free_surface].
     """
-    from trainer.analysis import neutral as program  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis import neutral as program
+    from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
     report = program.neutral(file, speeds_of(file, speeds), depth)
@@ -201,8 +201,8 @@ def thrust(vessel: str, speeds: tuple[float, ...], commands: tuple[float, ...], 
     \b
     Example:  trainer thrust bb2 --speed 0 --speed 10 --command 15 --command -5
     """
-    from trainer.analysis import thrust as program  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis import thrust as program
+    from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
     ahead = speeds or (0.0, *speeds_of(file, ()))
@@ -242,8 +242,8 @@ def tanks(vessel: str, fills: tuple[tuple[str, float], ...], **how: Any) -> None
     \b
     Example:  trainer tanks bb2 --fill auxiliary=1 --plot polygon.svg
     """
-    from trainer.analysis import tanks as program  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis import tanks as program
+    from trainer.config.vessel import load_vessel
 
     names = [name for name, _ in fills]
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
@@ -287,8 +287,8 @@ def modes(vessel: str, speeds: tuple[float, ...], depth: float | None, **options
 
     With --depth the vertical plane feels how the force of a calm surface changes with depth.
     """
-    from trainer.analysis import characteristic as program  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis import characteristic as program
+    from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
     means = program.Means(**{name: options[f"mean_{name}"] for name in program.Means._fields})

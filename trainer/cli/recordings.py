@@ -29,7 +29,7 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
     Exit codes: 0 the same, 1 not the same, 2 it would be computed otherwise than then: what
     differs is told, and --anyway flies it all the same.
     """
-    from trainer.session.replay import replay_file  # noqa: PLC0415
+    from trainer.session.replay import replay_file
 
     changed = {name: value for name, value in otherwise.items() if value is not None}
     sys.exit(replay_file(file, changed, anyway=anyway, as_json=as_json))
@@ -67,7 +67,7 @@ def export(
 
     Of a run's CSV file, as `trainer run --csv` writes it, --plot draws the columns as well.
     """
-    from trainer.analysis.recording_export import draw_run, export_file  # noqa: PLC0415
+    from trainer.analysis.recording_export import draw_run, export_file
 
     if columns and plot is None:
         raise click.UsageError("--column says what --plot FILE draws")
@@ -115,8 +115,8 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     The page is one HTML file that needs nothing else. What is changed is kept beside the
     recording, and both marks are shown.
     """
-    from trainer.analysis.debrief.history import latest  # noqa: PLC0415
-    from trainer.analysis.debrief.page import Asked, change_marks, debrief_file  # noqa: PLC0415
+    from trainer.analysis.debrief.history import latest
+    from trainer.analysis.debrief.page import Asked, change_marks, debrief_file
 
     if (file is None) is not last:
         raise click.UsageError("name a recording, or say --last")
@@ -147,7 +147,7 @@ def recordings(
     """
     if trainee is not None and forget is not None:
         raise click.UsageError("--trainee and --forget are two things: say one")
-    from trainer.analysis.debrief import history  # noqa: PLC0415
+    from trainer.analysis.debrief import history
 
     if forget is not None:
         history.print_forgotten(places, forget)

@@ -84,14 +84,14 @@ def with_pages(asked: RunOptions) -> RunOptions:
             raise ConfigError(f"--cert and --key are of pages: add {option}")
         return asked
     require_pages("--web")
-    from trainer.web.launch import certificate_of  # noqa: PLC0415  what the plain install lacks
+    from trainer.web.launch import certificate_of
 
     certificate_of(asked.cert, asked.key)
     if math.isinf(asked.speed):
         raise ConfigError("--web: pages show a boat in its own time: leave out --speed max")
     if not asked.browse or asked.socket or not hasattr(socket, "AF_UNIX"):
         return asked
-    from trainer.console.own_session import free_socket  # noqa: PLC0415
+    from trainer.console.own_session import free_socket
 
     return replace(asked, socket=str(free_socket()))
 
@@ -117,7 +117,7 @@ def set_out(
 
     ``choose`` settles what is asked for by a command without any option.
     """
-    from trainer.console.terminal import asked_beside, has_terminal  # noqa: PLC0415
+    from trainer.console.terminal import asked_beside, has_terminal
 
     elsewhere = asked.headless or asked.url is not None
     address, word = asked_beside()
@@ -130,12 +130,12 @@ def set_out(
 
 def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
     """Show the console of a session of one's own; return the exit code."""
-    from trainer.console import own_session  # noqa: PLC0415
+    from trainer.console import own_session
 
     def serve_at(where: str) -> NoReturn:
         begin(replace(without_console(chosen), socket=where, until_left=True))
 
-    from trainer.session.stations.roles import ANY, read_tokens  # noqa: PLC0415
+    from trainer.session.stations.roles import ANY, read_tokens
 
     tokens = read_tokens(chosen.token)
     token = tokens.get("instructor", tokens.get(ANY))
@@ -147,8 +147,8 @@ def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
 
 def choose(asked: RunOptions) -> RunOptions:
     """Return the options with the exercise chosen at the terminal. Leave if none is."""
-    from trainer.config.course import course  # noqa: PLC0415
-    from trainer.console.exercise_choice import choose_exercise  # noqa: PLC0415
+    from trainer.config.course import course
+    from trainer.console.exercise_choice import choose_exercise
 
     chosen = choose_exercise(course())
     if chosen is None:
@@ -158,15 +158,15 @@ def choose(asked: RunOptions) -> RunOptions:
 
 def take_to_sea(options: RunOptions) -> NoReturn:
     """Run a boat as the command line's ``options`` say, and leave with the exit code."""
-    import gc  # noqa: PLC0415
+    import gc
 
     gc.disable()  # until the boat is ready: looking for garbage is a tenth of the start
-    from trainer.session.first_start import prepare  # noqa: PLC0415
+    from trainer.session.first_start import prepare
 
     note = prepare(options)  # before anything imports a kernel
     if note:
         click.echo(note, err=True)
-    from trainer.session.run import run_boat  # noqa: PLC0415
+    from trainer.session.run import run_boat
 
     try:
         sys.exit(run_boat(replace(options, note=note), debriefing=debriefing()))
@@ -176,12 +176,12 @@ def take_to_sea(options: RunOptions) -> NoReturn:
 
 def debriefing() -> "Debriefing":
     """Return who judges a recording and writes its debrief, when a session asks for it."""
-    import numpy as np  # noqa: PLC0415
+    import numpy as np
 
-    from trainer.session.exercise import Debriefing, Judgement  # noqa: PLC0415
+    from trainer.session.exercise import Debriefing, Judgement
 
     def judge(path: Path, branch: int) -> Judgement:
-        from trainer.analysis.debrief.page import read_dossier  # noqa: PLC0415  seldom needed
+        from trainer.analysis.debrief.page import read_dossier
 
         with np.errstate(all="ignore"):  # a state may hold any number
             debrief = read_dossier(path, branch)
@@ -195,7 +195,7 @@ def debriefing() -> "Debriefing":
         return Judgement(card.verdict.outcome, card.total, (*why, *told), uncounted)
 
     def write(path: Path, branch: int) -> Path:
-        from trainer.analysis.debrief.page import Asked, beside, debrief_file  # noqa: PLC0415
+        from trainer.analysis.debrief.page import Asked, beside, debrief_file
 
         debrief_file(path, None, None, Asked(branch), as_json=False)
         return beside(path, branch)
@@ -249,7 +249,7 @@ def resume(file: Path, *, anyway: bool, teletype: bool, **options: Any) -> None:
     options["frozen"] = options["frozen"] or not options["headless"]
 
     def go_on(chosen: RunOptions) -> NoReturn:
-        from trainer.session.replay import resume_boat  # noqa: PLC0415
+        from trainer.session.replay import resume_boat
 
         sys.exit(resume_boat(file, chosen, debriefing(), anyway=anyway))
 
@@ -305,13 +305,13 @@ def station(role: str, url: str | None, token: str | None, *, teletype: bool) ->
 
 def be(url: str | None, role: str, token: str | None, *, teletype: bool) -> int:
     """Be a station of that role, on a screen or as a teletype. Return the exit code."""
-    from trainer.console.terminal import has_terminal  # noqa: PLC0415
+    from trainer.console.terminal import has_terminal
 
     if has_terminal() and not teletype:
-        from trainer.console.launch import attend  # noqa: PLC0415
+        from trainer.console.launch import attend
 
         return attend(url, role, token)
-    from trainer.session.attach import attach_to  # noqa: PLC0415
+    from trainer.session.attach import attach_to
 
     return attach_to(url, role, token)
 
@@ -354,7 +354,7 @@ def web(
     and `trainer serve --web HOST:PORT` begin both at once. Ctrl-C ends it, exit code 0.
     """
     require_pages("trainer web")
-    from trainer.web import launch  # noqa: PLC0415  what the plain install lacks
+    from trainer.web import launch
 
     certificate = launch.certificate_of(cert, key)
     if owner is None or url is None:

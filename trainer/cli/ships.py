@@ -27,14 +27,14 @@ OF_SEQUENCES: Final = ("bits", "hold", "seed")  # options that need an amplitude
 
 def path_of(vessel: str) -> Path:
     """Return the path of a vessel's file; that of a shipped ship by its name."""
-    from trainer.config.files import shipped, shipped_names  # noqa: PLC0415
+    from trainer.config.files import shipped, shipped_names
 
     return shipped("ships", vessel) if vessel in shipped_names("ships") else Path(vessel)
 
 
 def is_ship(vessel: str) -> bool:
     """Return whether a vessel is the file of a ship that is not linear."""
-    from trainer.config.ship import is_ship as is_ships_file  # noqa: PLC0415
+    from trainer.config.ship import is_ship as is_ships_file
 
     path = path_of(vessel)
     return path.suffix == ".toml" and path.is_file() and is_ships_file(path)
@@ -55,9 +55,9 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
             f"{path.name} is a ship: say its --zigzag, such as 20/20, or the --amplitude of a "
             "binary sequence"
         )
-    from trainer.boat import compilation  # noqa: PLC0415
-    from trainer.config.ship import load_ship  # noqa: PLC0415
-    from trainer.identify.ships import trials  # noqa: PLC0415
+    from trainer.boat import compilation
+    from trainer.config.ship import load_ship
+    from trainer.identify.ships import trials
 
     ship = load_ship(path)
     sensors = trials.sensors_of(ship, sensors_asked(options), given)
@@ -69,7 +69,7 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
 
 def sensors_asked(options: dict[str, Any]) -> "Sensors":
     """Return the instruments of an experiment's options."""
-    from trainer.config.sensors import Sensors  # noqa: PLC0415
+    from trainer.config.sensors import Sensors
 
     return Sensors(
         sway_kn=options["sway"],
@@ -84,12 +84,12 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
     if unknown:
         known = ", ".join(MODELS)
         raise click.UsageError(f"{', '.join(unknown)}: not with the models {known}")
-    from trainer.boat import compilation  # noqa: PLC0415
-    from trainer.config.files import path_named  # noqa: PLC0415
-    from trainer.config.ship import ship_text  # noqa: PLC0415
-    from trainer.identify.options import IdentifyOptions  # noqa: PLC0415
-    from trainer.identify.ships import page  # noqa: PLC0415
-    from trainer.identify.ships.results import fit_trials, read_trials  # noqa: PLC0415
+    from trainer.boat import compilation
+    from trainer.config.files import path_named
+    from trainer.config.ship import ship_text
+    from trainer.identify.options import IdentifyOptions
+    from trainer.identify.ships import page
+    from trainer.identify.ships.results import fit_trials, read_trials
 
     if options["ship"] is not None:
         options = {**options, "ship": path_named(options["ship"], "ships")}

@@ -51,19 +51,19 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
               trainer sweep turn-uncertainty --member 17
               trainer sweep ./study.toml --scheduler tcp://127.0.0.1:8786
     """
-    from trainer.analysis.sweep.job import job_of, open_job  # noqa: PLC0415
-    from trainer.cli.subjects import subject_of  # noqa: PLC0415
+    from trainer.analysis.sweep.job import job_of, open_job
+    from trainer.cli.subjects import subject_of
 
     job = job_of(study, options["members"], subject_of)
     if member is not None:
         _show_member(open_job(job), job, member, as_json=options["as_json"])
         return
-    from trainer.analysis.sweep.report import (  # noqa: PLC0415
+    from trainer.analysis.sweep.report import (
         panels,
         render,
         report_of,
     )
-    from trainer.analysis.sweep.results import check_pyarrow  # noqa: PLC0415
+    from trainer.analysis.sweep.results import check_pyarrow
 
     check_pyarrow()
     out = options["out"] or Path(f"{Path(study).stem}.parquet")
@@ -74,9 +74,9 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
 
 def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
     """Return the result as a table of pyarrow, with a progress bar on a terminal."""
-    from trainer.analysis.guide.programme import processors  # noqa: PLC0415
-    from trainer.analysis.sweep.job import open_job  # noqa: PLC0415
-    from trainer.analysis.sweep.sweep import (  # noqa: PLC0415
+    from trainer.analysis.guide.programme import processors
+    from trainer.analysis.sweep.job import open_job
+    from trainer.analysis.sweep.sweep import (
         AGAIN,
         carry_out,
         cluster,
@@ -97,8 +97,8 @@ def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
 
 def _show_member(ready: Any, job: Any, member: int, *, as_json: bool) -> None:
     """Fly one member alone and print it; ConfigError if there is no such."""
-    from trainer.analysis.sweep.report import member_page  # noqa: PLC0415
-    from trainer.config.files import ConfigError, reading_recorded  # noqa: PLC0415
+    from trainer.analysis.sweep.report import member_page
+    from trainer.config.files import ConfigError, reading_recorded
 
     if member >= ready.members:
         raise ConfigError(f"--member {member}: members are 0 to {ready.members - 1}")

@@ -164,7 +164,7 @@ class Name(click.ParamType[str]):
     ) -> list[CompletionItem]:
         """Return the shipped names, with their titles, and the files that the word can become."""
         del ctx, param
-        from trainer.config.files import shipped_tables  # noqa: PLC0415
+        from trainer.config.files import shipped_tables
 
         names = [
             CompletionItem(name, help=str(table.get("name", "")))
@@ -178,7 +178,7 @@ class Choice(click.Choice[str]):
 
     def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
         """Return what is wrong with a word, the words that there are, and the nearest."""
-        from trainer.config.files import nearest  # noqa: PLC0415
+        from trainer.config.files import nearest
 
         told = super().get_invalid_choice_message(value, ctx).removesuffix(".")
         return told + nearest(str(value), map(str, self.choices))

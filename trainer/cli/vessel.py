@@ -41,7 +41,7 @@ def new(file: Path, source: str, length: float | None, name: str | None) -> None
 
     With --length every number follows the length by Froude's law; each law stands in the file.
     """
-    from trainer.config.vessel_template import write_new  # noqa: PLC0415
+    from trainer.config.vessel_template import write_new
 
     click.echo(write_new(file, source, length, name))
 
@@ -59,8 +59,8 @@ def evaluate(vessel: str, equations: str | None, rates: str | None, trig: str) -
     (SI, rad), optionally x_g y_g z_g weight and last_udot ... last_rdot; each line of output
     the twelve rates.
     """
-    from trainer.analysis.evaluate import evaluate as rates_of  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis.evaluate import evaluate as rates_of
+    from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
     for line in rates_of(
@@ -85,15 +85,15 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     and the command that makes it. With --constants nothing is judged: all that the core is given
     is listed, in SI units and radians.
     """
-    from dataclasses import asdict  # noqa: PLC0415
+    from dataclasses import asdict
 
     if constants:
         list_constants(vessel, as_json=as_json)
         return
-    from trainer.analysis import readiness  # noqa: PLC0415
-    from trainer.analysis.check import check as examine  # noqa: PLC0415
-    from trainer.analysis.check_page import render  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis import readiness
+    from trainer.analysis.check import check as examine
+    from trainer.analysis.check_page import render
+    from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
     report, ready = examine(file), readiness.examine(file)
@@ -106,8 +106,8 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
 
 def list_constants(vessel: str, *, as_json: bool) -> None:
     """Print every constant of a vessel; ConfigError if there is no such vessel."""
-    from trainer.analysis.constants import constants, render  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis.constants import constants, render
+    from trainer.config.vessel import load_vessel
 
     report = constants(load_vessel(vessel))
     click.echo(json_of(asdict(report)) if as_json else render(report))
@@ -121,8 +121,8 @@ def gains(vessel: str) -> None:
     \b
     Example:  trainer gains my-boat.toml >> my-boat.toml
     """
-    from trainer.analysis.gains import design_text  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis.gains import design_text
+    from trainer.config.vessel import load_vessel
 
     click.echo(design_text(load_vessel(vessel)))
 
@@ -149,9 +149,9 @@ def sea(name: str, vessel: str, depths: tuple[float, ...], step: float | None, *
     SEA is calm, sea-state-1 to sea-state-6, or a file. The suction is that of a
     Pierson-Moskowitz sea on a boat held still.
     """
-    from trainer.analysis import seaway  # noqa: PLC0415
-    from trainer.config.sea import load_sea  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis import seaway
+    from trainer.config.sea import load_sea
+    from trainer.config.vessel import load_vessel
 
     file, boat = load_sea(name), load_vessel(vessel)
     at = tuple(dict.fromkeys(depths)) or seaway.usual_depths(boat)
@@ -188,10 +188,10 @@ def reduce(vessel: str, **options: Any) -> None:
     interrupted search goes on where it was. Nothing in it is random. Exit code 1 when the set is
     out of tolerance.
     """
-    from trainer.analysis.guide.programme import processors  # noqa: PLC0415
-    from trainer.analysis.reduce import page, verdict  # noqa: PLC0415
-    from trainer.config.files import ConfigError  # noqa: PLC0415
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.analysis.guide.programme import processors
+    from trainer.analysis.reduce import page, verdict
+    from trainer.config.files import ConfigError
+    from trainer.config.vessel import load_vessel
 
     chosen = [name for name in ("check", "table", "write") if options[name]]
     chosen += ["output"] if options["output"] else []
@@ -220,7 +220,7 @@ def reduce(vessel: str, **options: Any) -> None:
 
 def _read_reduction(file: Any) -> Any:
     """Return the reduction that the file has."""
-    from trainer.analysis.reduce import reduction  # noqa: PLC0415
+    from trainer.analysis.reduce import reduction
 
     return reduction.report(file, reduction.as_filed(file), (), ())
 
@@ -229,10 +229,10 @@ def _search_reduction(
     file: Any, cores: int, result: Path | None, drops: Any, *, quick: bool
 ) -> Any:
     """Return the reduction that a search finds, written to ``result`` if there is one."""
-    from trainer.analysis.reduce import page, reduction  # noqa: PLC0415
-    from trainer.analysis.reduce.objective import terms  # noqa: PLC0415
-    from trainer.config.files import ConfigError  # noqa: PLC0415
-    from trainer.io.atomic_write import write_whole  # noqa: PLC0415
+    from trainer.analysis.reduce import page, reduction
+    from trainer.analysis.reduce.objective import terms
+    from trainer.config.files import ConfigError
+    from trainer.io.atomic_write import write_whole
 
     partial = reduction.checkpoint_of(result) if result else None
     length = reduction.SEARCHES * len(terms(file, "modified"))
