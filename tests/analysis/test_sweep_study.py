@@ -114,7 +114,7 @@ order = "depth 70"
         ('measures = ["last z"]\n', "", "lacks measures: such as 'last z'"),
         ("duration_s", 'file = "steering-jm"\nduration_s', "nearest is steering-jam"),
         ("depth 70", "snapshot a", "it is about time"),
-        ("depth 70", "speed 30", "refused: this boat makes 20 kn"),
+        ("depth 70", "speed 30", "refused: this boat's greatest speed is 20 kn"),
         ("depth 70", "dpeth 70", "orders[0]] order"),
     ],
 )

@@ -67,8 +67,8 @@ def test_an_order_stands_as_it_was_said(boat: Boat, line: str, told: str) -> Non
     [
         ("order depth 1900", "this boat's greatest depth is"),
         ("order speed 60", "this boat makes"),
-        ("order clear course", "no order to the crew stands on course"),
-        ("order clear all", "no order to the crew stands"),
+        ("order clear course", "the crew has no order on course"),
+        ("order clear all", "the crew has no order"),
     ],
 )
 def test_what_the_boat_cannot_do_is_not_ordered(boat: Boat, line: str, why: str) -> None:

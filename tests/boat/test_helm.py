@@ -174,9 +174,9 @@ def test_what_was_taken_by_hand_is_given_back(hand: str, automatic: str, places:
         (under_way, "rudder left 30.1", "the limit of the rudder is 30 degrees, not 30.1"),
         (under_way, "stern dive 45", "the limit of the stern planes is 30 degrees, not 45"),
         (under_way, "bow rise 31", "the limit of the bow planes is 30 degrees, not 31"),
-        (under_way, "speed 20.5", "this boat makes 20 kn, not 20.5"),
-        (under_way, "turns 21", "turns are -8 to 20 kn, -57 to 142 rpm"),
-        (under_way, "turns -9", "turns are -8 to 20 kn"),
+        (under_way, "speed 20.5", "this boat's greatest speed is 20 kn, not 20.5"),
+        (under_way, "turns 21", "turns must be -8 to 20 kn, -57 to 142 rpm"),
+        (under_way, "turns -9", "turns must be -8 to 20 kn"),
         (under_way, "rpm 143", "-57 to 142 rpm"),
         (lambda: under_way("remus100"), "bow rise 5", "this boat has no bow planes"),
         (lambda: under_way("remus100"), "bow manual", "this boat has no bow planes"),
@@ -367,7 +367,11 @@ def test_the_rudder_is_eased_and_shifted_by_what_is_on(
     [
         ("rudder amidships", "rudder ease 5", "the rudder is amidships: nothing to ease"),
         ("rudder amidships", "rudder shift", "the rudder is amidships: nothing to shift"),
-        ("rudder right 3", "rudder ease 5", "the rudder is right 3: easing it is to less, not 5"),
+        (
+            "rudder right 3",
+            "rudder ease 5",
+            "the rudder is right 3: ease it to less than that, not 5",
+        ),
         ("rudder amidships", "meet her", "the boat does not swing: there is nothing to meet"),
     ],
 )

@@ -593,7 +593,7 @@ def test_what_is_ordered_before_the_session_is_there_is_sent_to_it() -> None:
     async def run() -> None:
         async with app.run_test(size=(80, 24)) as pilot:
             await pilot.press(*typed("depth 70"), "enter")
-            await seen(pilot, app, "depth 70: as soon as the boat is there")
+            await seen(pilot, app, "depth 70: sent as soon as the boat is ready")
             assert talk.orders == []
             talk.items, talk.connected = held, True
             await seen(pilot, app, "depth 70: done")
@@ -642,7 +642,7 @@ def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:
         talk.items.append(Joined())
         await pilot.pause(0.15)
         assert "NO LINE" not in shown(app)
-        assert "the line is back" in shown(app)
+        assert "the connection is back" in shown(app)
 
     at_the_console(lose, talk)
     assert talk.orders == []

@@ -229,7 +229,7 @@ def test_a_recording_is_gone_on_with_on_the_console_and_its_branches_are_gone_ba
     terminal.type("freeze", "Enter")
     terminal.wait("FROZEN")
     terminal.type("reset", "Enter")
-    terminal.wait("branch 1 returns to where this was")
+    terminal.wait("branch 1 returns to where you were")
     terminal.type("branch 1", "Enter")
     terminal.wait("at the end of branch 1, 1[0-9][0-9]")
     terminal.type("F10")

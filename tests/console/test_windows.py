@@ -163,7 +163,7 @@ def test_the_instructor_is_offered_what_follows_an_exercise(
 
     async def end(pilot: Pilot[str], app: Console) -> None:
         talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
-        await seen(pilot, app, "the marks are being made")
+        await seen(pilot, app, "the marks are being calculated")
         talk.say(sentences.event(130, 65.0, "exercise", "marks: won, 92"))
         await seen(pilot, app, "won, 92")
         for letter in key:
@@ -186,7 +186,7 @@ def test_what_was_meant_for_the_order_line_does_nothing_when_the_exercise_ends()
         await seen(pilot, app, "EXERCISE OVER")
         assert len(app.screen_stack) == 1  # an order has been begun
         await pilot.press(*typed("k x"), "enter")
-        await seen(pilot, app, "the marks are being made")
+        await seen(pilot, app, "the marks are being calculated")
         await pilot.press("a", "a", "d", "r")
         assert len(app.screen_stack) == 2
 
@@ -199,9 +199,9 @@ def test_marks_are_released_from_a_window_that_stays(monkeypatch: pytest.MonkeyP
 
     async def end(pilot: Pilot[str], app: Console) -> None:
         talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
-        await seen(pilot, app, "the marks are being made")
+        await seen(pilot, app, "the marks are being calculated")
         await pilot.press("r")
-        await seen(pilot, app, "release the marks to the crew: done")
+        await seen(pilot, app, "show the marks to the crew: done")
         await pilot.press("d")
 
     assert at_the_console(end, talk)[1].orders == ["release marks", "debrief"]

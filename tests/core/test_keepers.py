@@ -445,7 +445,7 @@ def test_hovering_is_refused_where_the_pump_cannot_hold(started: Start) -> None:
     assert boat.state.hover == 0.0
     depth = float(answer.rpartition("go to ")[2].split()[0])
     boat.state.z = depth
-    assert "until then the planes have the depth" in order(boat, "hover on"), "at 4 knots"
+    assert "until then the planes keep the depth" in order(boat, "hover on"), "at 4 knots"
     assert "cannot hold 18 m" in order(boat, "depth 18"), "nor is the boat sent there hovering"
 
 

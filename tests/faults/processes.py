@@ -132,7 +132,7 @@ def console_killed(bench: Bench, times: int) -> Tried:
         for _ in range(times):
             tried.times += 1
             with screen(session.door) as console:
-                tried.must(is_told(by, "is the helm's"), "the screen did not come")
+                tried.must(is_told(by, "now has the helm"), "the screen did not come")
                 console.kill()
             tried.must(is_told(by, ": gone"), "its going is not told")
             tried.must(

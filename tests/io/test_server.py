@@ -408,9 +408,7 @@ def test_who_does_not_say_who_he_is_in_time_is_told_and_closed() -> None:
     wake = threading.Event()
     hub = Server(wake, introduction=0.2)
     with closing_hub(hub) as port, socket.create_connection(("127.0.0.1", port), PATIENCE) as far:
-        assert read_lines(far, 1) == [
-            b"? closed: it was not said who is here, with role NAME TOKEN"
-        ]
+        assert read_lines(far, 1) == [b"? closed: nobody said who is here: role NAME TOKEN"]
         assert far.recv(100) == b""
     hub = Server(wake, introduction=0.2)
     with closing_hub(hub) as port, socket.create_connection(("127.0.0.1", port), PATIENCE) as far:

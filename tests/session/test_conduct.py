@@ -301,7 +301,7 @@ def test_branches_are_listed_and_any_is_gone_back_to(crewed: Callable[..., Crewe
     ship.order("freeze")
     ship.order("rudder left 10")  # in the freeze, at the end of the branch
     left = ship.boat.records.state.tobytes()
-    assert "branch 1 returns to where this was" in ship.order("reset")
+    assert "branch 1 returns to where you were" in ship.order("reset")
     ship.fly(2)
 
     ship.order("branches")
@@ -358,7 +358,9 @@ def test_quit_asks_once_more_while_others_are_attached(crewed: Callable[..., Cre
     helm, ballast = ship.comes("helm"), ship.comes("ballast")
 
     asked = ship.refused("quit")
-    assert asked == "2 stations are attached: quit again within 10 s, or detach"
+    assert (
+        asked == "2 stations are attached: type quit again within 10 s to end it for all, or detach"
+    )
     ship.now += 10.5
     assert ship.refused("quit") == asked
     ship.leaves(ballast)
@@ -545,7 +547,7 @@ def test_the_past_is_that_of_the_role_and_of_the_present_branch(
     ship.order("freeze")
     helm, watch = ship.comes("helm"), ship.comes("observer")
 
-    assert "not on this line" in ship.refused("history motion", helm)
+    assert "not shown here" in ship.refused("history motion", helm)
     assert "no past" in ship.refused("history ledger")
     assert ship.refused("history gages", helm).startswith("no channel gages")
     ship.say(watch, "history events")

@@ -161,7 +161,7 @@ def test_after_a_backtrack_words_and_repeats_are_those_of_then(crew: Make) -> No
 
     assert here.boat.time == 3.5
     assert here.session.crew.told == ""
-    assert here.say("helm", "aye") == ["? no new order is to be repeated here"]
+    assert here.say("helm", "aye") == ["? there is no new order to repeat"]
     here.say("instructor", "backtrack 1.5")
     assert here.say("helm", "aye") == ["course 045 aye"]
 
@@ -237,7 +237,7 @@ def test_after_a_jump_programs_are_told_only_what_waits_to_be_repeated_there(cre
 
     here.program("instructor", "branch 1")
     assert [fact.partition(":")[0] for fact in here.facts("helm")] == ["back"]  # it was repeated
-    assert here.say("helm", "aye") == ["? no new order is to be repeated here"]
+    assert here.say("helm", "aye") == ["? there is no new order to repeat"]
 
 
 def test_a_replay_says_again_what_was_said_and_writes_it_once(crew: Make) -> None:
@@ -359,7 +359,12 @@ def test_a_wrong_repeat_is_told_to_both_and_lets_the_order_stand_new(
         ("order course 045", "planes", "aye", "no new order"),
         ("order depth 60", "helm", "aye", "no new order"),
         ("order course 045", "instructor", "aye", "no new order"),
-        ("order course 045", "helm", "depth 60 aye", '"depth 60" repeats nothing; new here is'),
+        (
+            "order course 045",
+            "helm",
+            "depth 60 aye",
+            '"depth 60" repeats no order; the new order is',
+        ),
         ("order course 045", "helm", "will do aye", "say aye"),
     ],
 )
@@ -373,7 +378,7 @@ def test_what_is_not_ordered_here_is_not_repeated(
 
 def test_an_observer_repeats_nothing(crew: Make) -> None:
     here = crew().man("observer")
-    assert "this line is an observer's" in here.say("observer", "aye")[-1]
+    assert "you are an observer" in here.say("observer", "aye")[-1]
 
 
 def test_an_order_that_nobody_repeats_is_shown_again_once(crew: Make) -> None:
@@ -410,7 +415,7 @@ def test_belay_takes_back_the_newest_order_and_is_told(crew: Make) -> None:
     assert here.session.crew.told == ""
     here.say("instructor", "belay course")
     assert here.heard("helm") == ["belay: course 045"]
-    assert here.say("instructor", "belay")[-1] == "? no order to the crew stands"
+    assert here.say("instructor", "belay")[-1] == "? the crew has no order"
     assert here.say("instructor", "belay words")[-1] == "? no words to the crew stand"
     here.say("instructor", "order course 010", "order depth 70", "belay")
     assert here.heard("helm")[-1] == "belay: depth 70 m"

@@ -166,7 +166,7 @@ def test_attach_tells_a_session_that_was_killed_from_one_that_ended(tmp_path: Pa
             )
         )
         for line in attach.stdout or ():
-            if "this line is" in line:
+            if "you are an instructor" in line:
                 break
         session.kill()
         _, told = attach.communicate(timeout=60)

@@ -252,7 +252,7 @@ def test_an_order_that_the_recording_lacks_parts_the_flight_for_good(run: Run) -
 @pytest.mark.parametrize(
     ("given", "accepted", "told"),
     [
-        ("speed 40 kn", 1, "tick 55: speed 40 kn: hm; now: this boat makes "),
+        ("speed 40 kn", 1, "tick 55: speed 40 kn: hm; now: this boat's greatest speed is "),
         ("rudder left 10", 0, "tick 160: rudder left 10: hm; now: rudder left 10, by hand"),
     ],
 )

@@ -133,7 +133,7 @@ def test_an_order_outside_the_role_is_refused_logged_and_goes_no_further(
 
     answer = ballast.answer_to("rudder left 5")
 
-    why = "the rudder is the helm's or the pilot's; this line is the ballast station's"
+    why = "the rudder is the helm's or the pilot's; you have the ballast"
     assert answer == f"? {why}"
     assert ballast.log == [("refused", f"ballast at {NAME}: rudder left 5: {why}")]
     assert (ballast.station.counts.refused, ballast.station.counts.orders) == (1, 0)
@@ -152,7 +152,7 @@ def test_a_program_gets_its_tag_back_with_every_answer(post: Callable[..., Post]
     helm.station.answer(last, "done")
 
     heard = [(found.tag, *found.fields) for line in helm.said() if (found := read(line))]
-    whose = "main ballast is the ballast station's or the diving officer's; this line is the helm's"
+    whose = "main ballast is the ballast station's or the diving officer's; you have the helm"
     assert heard == [
         ("18", "no", whose),
         ("17", "say", "one"),
@@ -281,11 +281,11 @@ def test_a_station_that_has_left_logs_nothing_when_its_line_is_closed(
 def test_a_line_observes_until_it_says_what_it_is(post: Callable[..., Post]) -> None:
     line = post()
 
-    assert line.answer_to("rudder left 5").endswith("this line is an observer's")
+    assert line.answer_to("rudder left 5").endswith("you are an observer")
     assert not line.type("role helm")
-    assert line.said()[-1] == "this line is the helm's"
+    assert line.said()[-1] == "you have the helm"
     assert len(line.type("rudder left 5")) == 1
-    assert ("station", f"{NAME} is the helm's") in line.log
+    assert ("station", f"{NAME} now has the helm") in line.log
 
 
 def test_a_role_is_told_what_it_may_order_and_see_in_79_columns(post: Callable[..., Post]) -> None:
@@ -295,7 +295,7 @@ def test_a_role_is_told_what_it_may_order_and_see_in_79_columns(post: Callable[.
     *powers, last = line.said()
 
     told = " ".join(powers)
-    assert last == "this line is the diving officer's"
+    assert last == "you are the diving officer"
     assert "blow" in told
     assert "tanks" in told
     assert all(len(each) <= 79 for each in powers)
@@ -305,16 +305,14 @@ def test_a_role_is_said_once(post: Callable[..., Post]) -> None:
     line = post()
     line.type("role helm")
 
-    assert line.answer_to("role instructor") == "? this line is the helm's, and stays so"
+    assert line.answer_to("role instructor") == "? you have the helm: a line keeps its role"
     assert line.station.role.name == "helm"
 
 
 def test_a_fixed_role_stays(post: Callable[..., Post]) -> None:
     serial = post("planes")
 
-    assert (
-        serial.answer_to("role instructor") == "? this line is the planes station's, and stays so"
-    )
+    assert serial.answer_to("role instructor") == "? you have the planes: a line keeps its role"
     assert serial.station.role.name == "planes"
 
 
@@ -326,7 +324,7 @@ def test_where_a_token_is_asked_for_a_line_can_do_nothing_without(
 
     for order in ("rudder left 5", "status", "subscribe gauges", "subscribe events", "who"):
         assert line.answer_to(order) == "? say who you are first: role NAME TOKEN"
-    assert "asks for a token" in line.answer_to("role helm")
+    assert "needs a token: --token WORD" in line.answer_to("role helm")
     line.station.tell(News(0, 0.0, "station", "somebody came"))
     assert not line.said()
 
@@ -336,7 +334,7 @@ def test_the_right_token_lets_a_line_be_what_it_says(post: Callable[..., Post]) 
 
     line.type(f"role instructor {TOKEN}")
 
-    assert line.said()[-1] == "this line is the instructor's"
+    assert line.said()[-1] == "you are an instructor"
     assert len(line.type("freeze")) == 1
 
 
@@ -349,6 +347,36 @@ def test_a_token_that_is_not_the_very_same_is_refused(
     assert line.answer_to(f"role helm {guess}") == "? wrong token"
     assert line.station.counts.guesses == 1
     assert line.station.role.name == "stranger"
+
+
+def test_after_a_wrong_token_every_order_is_answered_by_that(post: Callable[..., Post]) -> None:
+    line = post(token=TOKEN)
+    line.type("role helm wrong")
+
+    for order in ("subscribe teletype", "rudder left 5"):
+        answer = line.answer_to(order)
+        assert answer == "? wrong token: type role NAME TOKEN with the right one"
+    line.type(f"role helm {TOKEN}")
+    assert line.said()[-1] == "you have the helm"
+
+
+@pytest.mark.parametrize(
+    ("role", "says", "logged"),
+    [
+        ("planes", "you have the planes", "now has the planes"),
+        ("pilot", "you have helm and planes (pilot)", "now has helm and planes (pilot)"),
+        ("diving", "you are the diving officer", "now is the diving officer"),
+        ("visitor", "you are a visitor", "now is a visitor"),
+    ],
+)
+def test_each_role_is_told_in_its_own_words(
+    post: Callable[..., Post], role: str, says: str, logged: str
+) -> None:
+    line = post()
+    line.type(f"role {role}")
+
+    assert line.said()[-1] == says
+    assert ("station", f"{NAME} {logged}") in line.log
 
 
 def test_the_third_wrong_token_closes_the_line_and_the_right_one_comes_too_late(
@@ -422,7 +450,7 @@ def test_the_answer_to_a_wrong_token_waits_and_is_in_the_log_at_once(machine: Ma
     assert late.said() == ["? wrong token; answered after 1 s, because there were many"]
     assert late.station.late == math.inf
     late.type(f"role helm {TOKEN}")
-    assert late.said()[-1] == "this line is the helm's"
+    assert late.said()[-1] == "you have the helm"
 
 
 def test_a_line_that_waits_for_an_answer_guesses_no_more_and_is_let_go_when_it_hangs_up(
@@ -433,7 +461,7 @@ def test_a_line_that_waits_for_an_answer_guesses_no_more_and_is_let_go_when_it_h
 
     late.type("role helm a", "role helm b", f"role helm {TOKEN}")
 
-    assert late.said() == 2 * ["? not heard: the answer to a wrong token is kept back"]
+    assert late.said() == 2 * ["? not heard: wait for the answer to the wrong token"]
     assert (late.station.counts.guesses, late.station.role.name) == (1, "stranger")
     assert not late.station.waiting  # nothing is left that would keep its place
     assert not late.station.held_up
@@ -448,7 +476,7 @@ def test_a_right_token_is_admitted_at_once_behind_any_number_of_wrong_ones(
     for where in ("10.0.0.1", "10.0.0.2"):
         line = machine.line(where)
         line.type(f"role helm {TOKEN}")
-        assert line.said()[-1] == "this line is the helm's"
+        assert line.said()[-1] == "you have the helm"
     other = machine.line("10.0.0.2")
     assert other.answer_to("role helm a") == "? wrong token"  # its machine has guessed nothing
 
@@ -522,7 +550,9 @@ def test_a_channel_that_is_not_the_roles_is_refused_and_logged(post: Callable[..
 
     answer = helm.answer_to("subscribe motion")
 
-    assert answer.startswith("? motion is not on this line, the helm's; it has teletype, gauges")
+    assert answer.startswith(
+        "? motion is not shown here: you have the helm; you may see teletype, gauges"
+    )
     assert helm.log[0][0] == "refused"
 
 

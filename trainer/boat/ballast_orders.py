@@ -166,7 +166,7 @@ def _hover(boat: Boat, order: Order) -> Reply:
     s.ordered_depth = depth
     at = "this depth" if order.word else f"{depth:g} m"
     if not is_hovering(boat.records.state):
-        return f"hovering below {WAY / KNOT:.0f} knots; until then the planes have the depth"
+        return f"hovering below {WAY / KNOT:.0f} knots; until then the planes keep the depth"
     if s.sea_height > 0.0 and s.sea_suction == 0.0:
         return f"hovering at {at}; this sea has no suction, so it is easier than at sea"
     return f"hovering at {at}"
@@ -199,7 +199,7 @@ def _surface(boat: Boat, _order: Order) -> Reply:
     bank = float(boat.state.bank_main / boat.vessel.bank_full[MAIN_BANK])
     if bank < EMPTY:
         return f"surfacing: the main bank has {bank:.0%} of its air; emergency blow has its own"
-    return "surfacing: blowing all main ballast; blow stop once the boat is up"
+    return "surfacing: blowing all main ballast; type blow stop when the boat is up"
 
 
 def _dive(boat: Boat, _order: Order) -> Reply:

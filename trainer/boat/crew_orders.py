@@ -102,7 +102,7 @@ def _beyond(boat: Boat, what: str, value: float) -> Refused | None:
         return Refused(f"this boat's greatest depth is {deepest:g} m, not {value:g} m")
     fastest = float(boat.vessel.u_c_ahead)
     if what == "speed" and value > fastest + 1e-9:
-        return Refused(f"this boat makes {fastest / KNOT:g} kn, not {value / KNOT:g}")
+        return Refused(f"this boat's greatest speed is {fastest / KNOT:g} kn, not {value / KNOT:g}")
     return None
 
 
@@ -128,5 +128,5 @@ def _clear(boat: Boat, axis: str) -> Reply:
         boat.state.crew_order_tick[AXES.index(each.axis)] = 0.0
         boat.state.crew_order[AXES.index(each.axis)] = 0.0
     if not had:
-        return Refused(f"no order to the crew stands{'' if axis == 'all' else f' on {axis}'}")
+        return Refused(f"the crew has no order{'' if axis == 'all' else f' on {axis}'}")
     return f"no longer ordered: {', '.join(map(str, had))}"

@@ -91,7 +91,7 @@ def _by_the_rudder(boat: Boat, order: Order) -> float | Refused:
     if order.value > abs(angle) + 1e-9:
         return Refused(
             f"the rudder is {_to_a_side(angle)}: "
-            f"easing it is to less, not {math.degrees(order.value):g}"
+            f"ease it to less than that, not {math.degrees(order.value):g}"
         )
     return math.copysign(order.value, angle)
 
@@ -214,7 +214,8 @@ def _speed(boat: Boat, order: Order) -> Reply:
     if order.word != "auto":
         if order.value > boat.vessel.u_c_ahead + 1e-9:
             return Refused(
-                f"this boat makes {boat.vessel.u_c_ahead / KNOT:g} kn, not {order.value / KNOT:g}"
+                f"this boat's greatest speed is {boat.vessel.u_c_ahead / KNOT:g} kn, "
+                f"not {order.value / KNOT:g}"
             )
         s.ordered_speed = order.value
     s.speed_by_hand = 0.0
@@ -227,7 +228,7 @@ def _revolutions(boat: Boat, u_c: float, said: str) -> Reply:
     if not c.u_c_astern - 1e-9 <= u_c <= c.u_c_ahead + 1e-9:
         per_knot = boat.file.propulsion.rps_per_mps * KNOT * 60.0
         return Refused(
-            f"turns are {c.u_c_astern / KNOT:g} to {c.u_c_ahead / KNOT:g} kn, "
+            f"turns must be {c.u_c_astern / KNOT:g} to {c.u_c_ahead / KNOT:g} kn, "
             f"{c.u_c_astern / KNOT * per_knot:.0f} to {c.u_c_ahead / KNOT * per_knot:.0f} rpm"
         )
     s.ordered_u_c = u_c

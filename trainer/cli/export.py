@@ -44,7 +44,7 @@ boat_options = together(
         type=click.IntRange(0, 2**53 - 1),
         default=1,
         show_default=True,
-        help="Of everything random.",
+        help="Seed of all random numbers.",
     ),
 )
 

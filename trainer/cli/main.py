@@ -37,7 +37,7 @@ def versions() -> str:
 
 
 def print_versions(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001
-    """Print the versions and leave."""
+    """Print the versions and exit."""
     if value and not ctx.resilient_parsing:
         click.echo(versions())
         ctx.exit()
@@ -50,7 +50,7 @@ def print_versions(ctx: click.Context, _param: click.Parameter, value: bool) -> 
     is_eager=True,
     expose_value=False,
     callback=print_versions,
-    help="Print the versions and leave.",
+    help="Print the versions and exit.",
 )
 def cli() -> None:
     """Train the crew of a simulated submarine, in real time.

@@ -97,7 +97,7 @@ exercise_options = together(
         type=click.IntRange(0, 2**53 - 1),
         default=1,
         show_default=True,
-        help="Of everything random.",
+        help="Seed of all random numbers.",
     ),
     click.option(
         "--orders",
@@ -331,7 +331,7 @@ connect_option = click.option(
 
 connect_options = together(
     connect_option,
-    click.option("--token", default=None, help="Word that the session asks for."),
+    click.option("--token", default=None, help="The word that this session asks for."),
 )
 
 teletype_option = click.option(

@@ -53,8 +53,8 @@ if TYPE_CHECKING:
 def run(*, teletype: bool, **options: Any) -> None:
     """Run a boat in real time on a console, or headless.
 
-    EXERCISE is the name of a shipped one (`trainer exercises`) or the path of a file; what is
-    given here overrules it.
+    EXERCISE is the name of a shipped exercise (`trainer exercises` lists them) or the path of a
+    file. Options given here overrule the file.
 
     \b
     Example:  trainer run
@@ -63,8 +63,8 @@ def run(*, teletype: bool, **options: Any) -> None:
               trainer run --headless --duration 1h --speed max --csv out.csv
               printf 'depth 80\\n' | trainer run --duration 120 --speed max
 
-    On a terminal it shows the instructor's console, F1 its help; without any option it asks first
-    which exercise it shall be, and Enter sails freely. Orders are typed at any time.
+    On a terminal you see the instructor's console; F1 shows its help. Without any option you first
+    choose an exercise; Enter alone sails freely. You may type orders at any time.
     Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat or
     the exercise is lost, or the recording failed, 2 wrong input.
     """
@@ -214,7 +214,7 @@ def debriefing() -> "Debriefing":
 @web_serve_options
 @click.option("--until-left", is_flag=True, help="End when the last station has left.")
 def serve(**options: Any) -> None:
-    """Run a boat for stations to attach to, without a console of its own.
+    """Run a session that stations join, without a console here.
 
     \b
     Example:  trainer serve periscope-depth --frozen --duration 1h
@@ -273,16 +273,16 @@ ROLES = (
 @connect_options
 @teletype_option
 def attach(url: str | None, token: str | None, *, teletype: bool) -> None:
-    """Attach to a session as its instructor.
+    """Join a session as its instructor.
 
     \b
     Example:  trainer attach
               trainer attach --connect tcp://bridge:17800 --token WORD
               printf 'mark the stern planes stuck\\n' | trainer attach
 
-    On a terminal it shows the instructor's console, F1 its help. `detach` leaves the session
-    running, `quit` ends it. One instructor has command, and gives the orders: the others set marks
-    and look on, until they say `take command`.
+    On a terminal you see the instructor's console; F1 shows its help. `detach` leaves the session
+    running, `quit` ends it. One instructor has command and gives the orders. The others watch and
+    set marks, until they type `take command`.
     """
     sys.exit(be(url, "instructor", token, teletype=teletype))
 
@@ -292,13 +292,13 @@ def attach(url: str | None, token: str | None, *, teletype: bool) -> None:
 @connect_options
 @teletype_option
 def station(role: str, url: str | None, token: str | None, *, teletype: bool) -> None:
-    """Attach to a session as one of its crew: own instruments, own controls.
+    """Join a session as one of its crew, with your own instruments and controls.
 
     \b
     Example:  trainer station helm
               trainer station ballast --connect tcp://192.168.1.10:17800 --token WORD
 
-    On a terminal it shows the panel of that role; its keys move the controls, F1 lists them.
+    On a terminal you see the panel of that role. Its keys move the controls; F1 lists the keys.
     """
     sys.exit(be(url, role, token, teletype=teletype))
 

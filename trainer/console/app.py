@@ -109,7 +109,7 @@ SOON: Final = 0.004  # [s] between looks for the first figures
 FUNCTION: Final = re.compile(r"f\d+|ctrl\+[cgt]")  # keys that are no part of an order
 SPANS: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
 PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
-PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 helps"}
+PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 shows help"}
 PROMPT: Final = "keys move your controls; Enter to type an order"
 DIALOGS: Final[Mapping[str, Callable[[SessionModel], Subject]]] = {
     "help": guide,

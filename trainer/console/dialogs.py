@@ -176,23 +176,26 @@ def casualty_choice(model: SessionModel) -> Choice:
     ]
     rows.sort(key=lambda row: not row.active)
     return Choice(
-        "Casualties: type to find one, then perhaps a severity and a ramp",
+        "Choose what breaks; a severity and a ramp may follow the name",
         rows,
-        ("such as: stern-hard-over -0.5 ramp 20", "Delete clears the chosen one, Ctrl-X all"),
+        (
+            "such as: stern-hard-over -0.5 ramp 20",
+            "Delete repairs the chosen one, Ctrl-X repairs all",
+        ),
         clears=True,
     )
 
 
 def sea_choice(_sight: SessionModel) -> Choice:
     """Return the list of seas."""
-    rows = [Row("calm", "sea calm", "", "the sea goes down")]
+    rows = [Row("calm", "sea calm", "", "the sea becomes calm")]
     rows += [Row(f"state {n}", f"sea state {n}", "", says) for n, says in SEAS]
     rows += [
         Row(f"from {angle:03}", f"sea from {angle:03}", "", "the sea turns, to come from there")
         for angle in range(0, 360, 45)
     ]
-    advice = ("or type what is in no row: wind 30, height 3, from 020",)
-    return Choice("The sea: it changes within a minute", rows, advice, prefix="sea")
+    advice = ("or type something else: wind 30, height 3, from 020",)
+    return Choice("Choose a sea: it changes within a minute", rows, advice, prefix="sea")
 
 
 class Subject(Protocol):
@@ -289,14 +292,14 @@ class Question:
         lines = [line((f" {self.asks}", "title")), line()]
         for key, (says, _) in self.answers.items():
             lines.append(line((f"   {key.upper():<5}", "value"), says))
-        lines.append(line(("   Esc  ", "value"), "neither"))
+        lines.append(line(("   Esc  ", "value"), "stay"))
         return [fit(each, width) for each in lines[:height]]
 
 
 def leaving(*, own: bool) -> Question:
     """Return the question whether the instructor ends the run or only leaves it."""
-    end = ("end the run: its recording is complete", Done(("quit",)))
-    goes = "leave; it ends unless others are attached" if own else "leave; the session goes on"
+    end = ("end the run for everybody", Done(("quit",)))
+    goes = "leave; the run ends if nobody else is attached" if own else "leave; the session goes on"
     return Question("Leave?", {"q": end, "l": (goes, Done(leave=True))})
 
 

@@ -14,7 +14,7 @@ from trainer.console.pane import Lines, fit, line
 
 FREELY: Final = "Sail freely"
 BRIEFING: Final = 4  # [rows] of what is chosen
-NO_TITLE: Final = "No title has these letters. Backspace takes the last one away."
+NO_TITLE: Final = "No title has these letters. Backspace deletes the last letter."
 
 
 @dataclass
@@ -57,7 +57,7 @@ def exercise_choice(offered: Sequence[Lesson]) -> ExerciseChoice:
     """Return the list: sailing freely comes first, so that Enter alone sails."""
     rows = [Row(FREELY, FREELY, "", "No exercise: go to sea at once and do as you like.")]
     rows += [Row(each.title, each.name, "", " ".join(each.briefing.split())) for each in offered]
-    advice = ("Up, Down or part of a title; Enter begins; Esc leaves",)
+    advice = ("Press Up or Down, or type part of a title; Enter begins, Esc leaves",)
     return ExerciseChoice("Choose an exercise", rows, advice, size=(76, 40))
 
 

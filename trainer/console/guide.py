@@ -16,43 +16,43 @@ from trainer.console.pane import Line, Lines, fit, length, line
 Text = Callable[[], list[Line]]  # lines of any length; the window breaks them
 
 FIRST: Final = (
-    "  In a shell: trainer run periscope-depth   (trainer exercises lists others)",
+    "  To begin an exercise, type in a shell: trainer run periscope-depth",
     "  The line at the top says RUNNING or FROZEN; F2 changes it.",
     "",
     (
         "  1  Break something: F4, type stern-stuck, Enter. The planes stay where they are; "
-        '"broken" shows it. What was sent stands in the log as an order: you could have typed '
-        "casualty stern-stuck at the bottom."
+        '"broken" shows it. The log shows the order that was sent. You can also type that order: '
+        "casualty stern-stuck."
     ),
     (
         "  2  Give an order: type depth 30 and press Enter. Tab completes a word, Up and Down "
         "bring earlier orders back. help depth says more."
     ),
-    "  3  Put it right: F4, Up to the casualty, which is at the top, then Delete.",
+    "  3  Repair it: F4, Up to the casualty at the top of the list, then Delete.",
     (
-        "  4  Go back two minutes: F6, then 2, then Enter. Time stands still there; F2 lets it go "
-        "on, on a new branch. The old one stays in the recording."
+        "  4  Go back two minutes: F6, then 2, then Enter. Time is stopped there. F2 starts it "
+        "again: a new branch begins, and the recording keeps the old one."
     ),
     (
-        "  5  Watch it again: F7, then 2, then Enter: the orders are given again as they were. F7 "
-        "once more ends the replay and you go on from there."
+        "  5  Watch it again: F7, then 2, then Enter. The replay repeats all orders. Press F7 "
+        "again: the replay ends, and you go on from that moment."
     ),
     (
-        "  6  F9 marks a moment with a remark. F10, then Q ends the run; the summary names its "
-        "recording, from which  trainer debrief FILE  makes a page."
+        "  6  F9 marks this moment with a remark. F10, then Q, ends the run. The last lines name "
+        "the recording;  trainer debrief FILE  makes a page from it."
     ),
 )
 STATION: Final = (
     (
-        "  Your keys move your controls; every press is sent as an order, which the log shows "
-        "with its answer. Enter lets you type orders: help lists them. What your instruments show "
-        "may be wrong: that is part of the exercise."
+        "  Your keys move your controls. Every press sends an order; the log shows the order and "
+        "its answer. Press Enter to type an order: help lists the orders. Your instruments may "
+        "show wrong values: that is part of the exercise."
     ),
     "",
     (
-        "  An order to you stands beside its instrument in blue, with what is still to go, and "
-        "rings the bell. NEW ORDER stands below until you repeat it: Enter, or the order with "
-        "aye. The repeat moves nothing: your hands do."
+        "  When you get an order, the bell rings. The order is shown in blue beside its "
+        "instrument, with the change that is left. NEW ORDER stays below until you repeat it: "
+        "press Enter, or type the order and aye. The repeat moves no control: you do."
     ),
 )
 SIGNS: Final = (
@@ -60,7 +60,7 @@ SIGNS: Final = (
     "R L", "right, left (rudder)",
     "R D", "rise, dive (planes)",
     "hand", "steered by hand; auto: by the autopilot",
-    "-- dashed", "ordered, in a chart; the drawn line is the boat",
+    "-- dashed", "in a chart: what is ordered; the full line is the boat",
     "in the log", "> sent, ? refused, o ordered to the crew, ! called out, < gone back, * marked",
     "time line", "S snapshot, C casualty, M mark; the bar is now",
 )  # fmt: skip
@@ -140,7 +140,7 @@ class Reading:
     def _foot(self, lines: Sequence[Line], room: int) -> Line:
         """Return what more there is, and the keys."""
         below = len(lines) - self.top - room
-        more = f" {below} more below: Down, Page Down;" if below > 0 else ""
+        more = f" {below} more lines: press Down or Page Down;" if below > 0 else ""
         back = " Up goes back;" if self.top else ""
         does = "".join(f"   {says}" for _, says in self.keys.values() if says)
         return line((f"{more}{back}", "warning"), (" Esc closes", "dim"), (does, "title"))
@@ -248,7 +248,7 @@ def standing(model: SessionModel) -> list[tuple[str, str]]:
         ("it is lost at", " or ".join(map(loss_said, model.told.get("lost", [])))),
         ("by hand", by_hand(told.get("hand", ""))),
         ("automatic", told.get("allowed", "").replace(",", ", ")),
-        ("free", "no marks: what was in hand is allowed" if told.get("free") else ""),
+        ("free", "no marks: the autopilot may steer what was by hand" if told.get("free") else ""),
     ]
 
 
@@ -315,11 +315,11 @@ class Next(NamedTuple):
 
 
 AFTER: Final = {
-    "r": Next("release marks", "release the marks to the crew"),
+    "r": Next("release marks", "show the marks to the crew"),
     "d": Next("debrief", "write the debrief"),
     "a": Next("again", "again, from the start", asked=True),
     "h": Next("again from 2 min", "again, from two minutes ago", asked=True),
-    "n": Next("next", "another: lists them"),
+    "n": Next("next", "choose another exercise"),
 }
 DEAF: Final = 1.0  # [s] that keys are ignored which were meant for what was there before
 
@@ -350,7 +350,7 @@ class Ending(Reading):
 
     def _rows(self) -> list[Line]:
         rows = [labelled(key.upper(), self._says(key)) for key in AFTER]
-        marks = self._model.marks_told or ["the marks are being made"]
+        marks = self._model.marks_told or ["the marks are being calculated"]
         rows += [line(), line((f" {self._model.outcome}", "title")), line()]
         return rows + [line((f"   {told}", "plain")) for told in marks]
 

@@ -123,18 +123,16 @@ BRIEF: Final = Key(
     ("f12",),
     "F12",
     "briefing",
-    "the exercise: what is to be done, time left, what wins, limits",
+    "the exercise: task, time left, how to win, limits",
     Open("briefing"),
 )
-BELL: Final = Key(
-    ("ctrl+g",), "Ctrl-G", "", "the bell for limits, orders, casualties: off, or on again", Ring()
-)
+BELL: Final = Key(("ctrl+g",), "Ctrl-G", "", "switch the bell off or on", Ring())
 PLAN: Final = Key(("ctrl+t",), "Ctrl-T", "", "the track from above", Open("plan"))
 LEAVE: Final = Key(("f10", "ctrl+c"), "F10", "leave", "leave; the session goes on", Leave())
 END: Final = Key(("f10", "ctrl+c"), "F10", "quit", "end the run, or leave it", Leave())
 LOG: Final = (
     Key(("pageup",), "Page Up", "", "look back in the log", Scroll(PAGE)),
-    Key(("pagedown",), "Page Down", "", "and down again", Scroll(-PAGE)),
+    Key(("pagedown",), "Page Down", "", "look forward in the log", Scroll(-PAGE)),
 )
 SPAN: Final = (
     Key(("right_square_bracket",), "]", "", "charts over a longer time", Widen(1)),
@@ -144,19 +142,19 @@ REPEAT: Final = Key(
     ("enter",),
     "Enter",
     "type/repeat",
-    "repeat a new order (aye); without one type an order",
+    "repeat a new order (aye), or type an order",
     Repeat(),
 )
 TYPE: Final = Key(("colon",), ":", "", "type an order; Esc comes back", Write(""))
 
 INSTRUCTOR: Final = (
     HELP,
-    Key(("f2", "space"), "F2", "freeze", "stop time, or let it go on", Toggle()),
+    Key(("f2", "space"), "F2", "freeze", "stop time, or start it again", Toggle()),
     Key(("f3", "full_stop"), "F3", "step", "one tick, then frozen again", Give("step")),
-    Key(("f4",), "F4", "break", "break something, or clear it", Open("casualties")),
+    Key(("f4",), "F4", "break", "break something, or repair it", Open("casualties")),
     Key(("f5",), "F5", "sea", "change the sea", Open("sea")),
     Key(("f6",), "F6", "back", "go back in time, by the time line", Open("moments")),
-    Key(("f7",), "F7", "replay", "watch it again; ends a replay that runs", Again()),
+    Key(("f7",), "F7", "replay", "replay the last minutes, or end the replay", Again()),
     Key(("f8",), "F8", "keep", "keep this moment under a name", Write("snapshot ")),
     Key(("f9",), "F9", "mark", "mark this moment, with a remark", Write("mark ")),
     END,
@@ -248,7 +246,7 @@ VALVES: Final = (
     order_key("0", "no blow", "blow stop"),
     order_key("v", "vent", "vent all open"),
     order_key("s", "shut", "vent all shut"),
-    Key(("e",), "E", "EMERGENCY", "emergency blow, once more asked", Open("emergency")),
+    Key(("e",), "E", "EMERGENCY", "emergency blow; you must confirm it", Open("emergency")),
 )
 WATER: Final = (
     order_key("n", "B: negative", "negative flood"),
@@ -285,8 +283,8 @@ KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
         order_key("d", "lower", "scope lower"),
         order_key("1", "power", "scope power 1.5"),
         order_key("6", "", "scope power 6"),
-        Key(("t",), "T", "train", "point it so far off the bow", Write("scope train ")),
-        Key(("r",), "R", "range", "from a masthead's height", Write("scope range ")),
+        Key(("t",), "T", "train", "turn it to an angle from the bow", Write("scope train ")),
+        Key(("r",), "R", "range", "measure a range by a mast's height", Write("scope range ")),
         Key(("m",), "M", "mark", "mark a ship on its bearing", Write("mark contact ")),
         *COMMON,
     ),

@@ -176,7 +176,7 @@ class SessionModel:
             self._send(words, quiet=False)
         else:
             self._early.append(words)
-            self.journal.add(None, "station", f"{words}: as soon as the boat is there")
+            self.journal.add(None, "station", f"{words}: sent as soon as the boat is ready")
 
     def ask(self, words: str) -> bool:
         """Send an order of the screen's own, which is not shown."""
@@ -204,7 +204,7 @@ class SessionModel:
             self._asked[tag] = Asked(words, quiet)
             self._own += gives_crew(words) and not self.instructs
         elif not quiet:
-            why = MAKING_READY if self.follows else self.trouble or "no line"
+            why = MAKING_READY if self.follows else self.trouble or "no connection"
             self.journal.add(None, "refused", f"not sent: {why}")
         return bool(tag)
 
@@ -212,7 +212,7 @@ class SessionModel:
 
     def _join(self) -> None:
         if self.greeted:
-            back = "the next exercise is ready" if self.follows else "the line is back"
+            back = "the next exercise is ready" if self.follows else "the connection is back"
             self.journal.add(None, "station", back)
         self._awaited = -math.inf
         self.joined, self.trouble, self.over, self.greeted = True, "", False, True
@@ -225,7 +225,7 @@ class SessionModel:
     def _lose(self, why: str) -> None:
         was, self.joined = self.joined, False
         if not (self.over or self.follows) and (was or why != self.trouble):
-            self.journal.add(None, "lost", f"no line: {why}")
+            self.journal.add(None, "lost", f"no connection: {why}")
         self.trouble = "" if self.follows else why
         self._asked.clear()
         self.crew = CrewOrders(rings=self.crew.rings)  # those that stand are told again

@@ -278,7 +278,7 @@ class OwnSession:
         """Say how the session ended, or that it goes on; return the exit code."""
         code = self.session.wait(patience)
         if code is None:
-            click.echo("the session goes on for the others; trainer attach comes back to it")
+            click.echo("the session goes on for the others; `trainer attach` joins it again")
             return 0
         click.echo(self.session.out, nl=False)
         self.pass_on()

@@ -299,7 +299,7 @@ class Server:
             if self._leave_at < math.inf:
                 connection.close(self._leave_at - now)
             if connection.overdue(now):
-                connection.send("? closed: it was not said who is here, with role NAME TOKEN")
+                connection.send("? closed: nobody said who is here: role NAME TOKEN")
                 connection.close(LAST_WORDS)
             if connection.finished(now):
                 self._watch(connection, 0, connection.serve)

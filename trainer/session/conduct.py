@@ -273,7 +273,7 @@ class Conduct:
     def _release(self, asked: Asked) -> bool:
         ending = self.ending
         if not ending.over:
-            why = "the exercise is not over: end exercise"
+            why = "the exercise is not over: type end exercise first"
         elif ending.marks is None:
             why = self._unmarked or "there are no marks yet"
         else:
@@ -290,10 +290,12 @@ class Conduct:
 
     def _debrief(self, asked: Asked) -> bool:
         if self.debriefing is None or self.kept is None:
-            asked.station.answer(asked, Refused("not recorded: there is nothing to debrief from"))
+            asked.station.answer(asked, Refused("no debrief: this session is not recorded"))
             return True
         if not self.control.time.frozen:
-            asked.station.answer(asked, Refused("it takes some seconds: freeze, or end exercise"))
+            asked.station.answer(
+                asked, Refused("a debrief takes some seconds: first freeze, or end exercise")
+            )
             return True
         write, kept, recording = self.debriefing.write, self.kept, self.control.history.recording
         recording.flush()
@@ -352,7 +354,7 @@ class Conduct:
             return False
         self._quitting = asked.station, self.clock()
         attached = "1 station is" if others == 1 else f"{others} stations are"
-        within = f"quit again within {AGAIN_WITHIN:g} s, or detach"
+        within = f"type quit again within {AGAIN_WITHIN:g} s to end it for all, or detach"
         asked.station.answer(asked, Refused(f"{attached} attached: {within}"))
         return True
 
@@ -360,7 +362,7 @@ class Conduct:
         name, following = asked.order.subject, self.following
         if not name:
             names = [each.name for each in course()]
-            asked.station.answer(asked, "next NAME begins one of them, as the course goes", *names)
+            asked.station.answer(asked, "type next NAME to begin one of these", *names)
             return True
         elsewhere = following.barred
         if not elsewhere and not all(each.visits for each in self.log.stations):
@@ -368,7 +370,7 @@ class Conduct:
         if elsewhere:
             why = f"{elsewhere}: quit, then trainer run {name}"
         elif not self.ending.over:
-            why = "this exercise is not over: end exercise"
+            why = "this exercise is not over: type end exercise first"
         else:
             why = following.problem(name)
         if why:

@@ -89,7 +89,7 @@ class Control:
     def _change_time(self, order: Order, _who: str) -> Reply:
         fastest = order.word == "max"
         self.time.change(math.inf if fastest else order.value)
-        return "time as fast as it goes" if fastest else f"time x{order.value:g}"
+        return "time runs as fast as it can" if fastest else f"time x{order.value:g}"
 
     def _quit(self, _order: Order, _who: str) -> Reply:
         self.ended = True
@@ -109,7 +109,7 @@ class Control:
     def _restore(self, order: Order, who: str) -> Reply:
         kept = self.history.snapshots()
         if order.subject not in kept:
-            return Refused(f"no snapshot {order.subject}; there are {', '.join(kept) or 'none'}")
+            return Refused(f"no snapshot {order.subject}; kept: {', '.join(kept) or 'none'}")
         return self._go_back(kept[order.subject], f"restore {order.subject}, by {who}")
 
     def _reset(self, _order: Order, who: str) -> Reply:
@@ -125,7 +125,7 @@ class Control:
         left, abandoned = self.boat.time, self.history.recording.branch
         self.go_to(moment, why)
         way = f"back from {left:g} s to {self.boat.time:g} s, frozen; {self._branch}"
-        return f"{way}, branch {abandoned} returns to where this was"
+        return f"{way}, branch {abandoned} returns to where you were"
 
     def go_to(self, moment: Moment, why: str) -> None:
         """Go to a moment, frozen: a new branch begins there."""
@@ -180,7 +180,7 @@ class Control:
         until = rerun.end.tick * self.boat.method.step if rerun else 0.0
         return (
             f"replay from {self.boat.time:g} s to {until:g} s, {orders} orders; "
-            "take over ends it anywhere"
+            "take over ends it at any moment"
         )
 
     def _take_over(self, _order: Order, who: str) -> Reply:
@@ -272,7 +272,8 @@ class Command:
         within = f"within {ANSWER_WITHIN:g} s"
         text = f"{name} asks for command: give command, or keep command, {within}"
         self.log.tell("exercise", text, station, Fact("asked", name))
-        station.answer(asked, f"{self.holder.line.name} is asked; it is yours {within} if not")
+        holder = self.holder.line.name
+        station.answer(asked, f"{holder} is asked; without an answer {within} you have command")
         return True
 
     def give(self, asked: Asked) -> bool:

@@ -236,14 +236,14 @@ class CrewTalk:
             and role in (*CONCERNED[each.axis], INSTRUCTOR.name)
         ]
         if not new:
-            return Refused("no new order is to be repeated here")
+            return Refused("there is no new order to repeat")
         if not words:
             return Repeat(new[0], right=True)
         said = said_order(words)
         axis = axis_of(said) if said else WORDS
         meant = [each for each in new if each.axis == axis]
         if not meant:
-            return Refused(f'"{words}" repeats nothing; new here is {new[0].says}: say aye')
+            return Refused(f'"{words}" repeats no order; the new order is {new[0].says}: say aye')
         return Repeat(meant[0], right=is_repeated(words, meant[0]))
 
     # What is missing or wrong

@@ -312,7 +312,7 @@ class History:
         found = self.recording.moment(self.recording.branch, wanted)
         if found is not None:
             return found
-        return self.automatic.before(wanted) or Refused("nothing is kept from so long ago")
+        return self.automatic.before(wanted) or Refused("no moment so long ago is kept")
 
     def automatic_since(self, tick: int) -> list[tuple[int, bytes]]:
         """Return tick and state of the automatic moments since a tick."""

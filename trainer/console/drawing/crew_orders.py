@@ -190,7 +190,7 @@ def crew_line(model: SessionModel, width: int) -> Line:
     signed = _signed(model)
     if signed:
         return (*label, (signed, "ordered"))
-    return (*label, (f"told: {told}", "ordered") if told else ("no orders stand", "dim"))
+    return (*label, (f"told: {told}", "ordered") if told else ("no orders", "dim"))
 
 
 def _joined(texts: Sequence[str]) -> str:

@@ -159,7 +159,7 @@ def fit_trials(
     fitted = fit(problem, begin, heard)
     if not math.isfinite(fitted.found.cost):
         raise ConfigError(
-            f"{trials[0].source}: no start is a ship that sails this record: look at units and "
+            f"{trials[0].source}: no starting point fits this record: check units and "
             "signs of the columns, and at the dimensions"
         )
     told = source if strength > 0.0 else "none"

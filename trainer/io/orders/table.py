@@ -220,7 +220,7 @@ FORMS = (
     Form("dive", "open the main vents, blows shut"),
     Form("periscope [depth]", "keep the boat's periscope depth"),
     Form("scope raise|lower", "the periscope's mast out, or in"),
-    Form("scope train TRAIN", "point it so far off the bow, clockwise"),
+    Form("scope train TRAIN", "turn it to an angle from the bow, clockwise"),
     Form("scope power 1.5|6", "its magnification"),
     Form("scope range MAST", "distance of the ship at the wire, from its masthead's height"),
     Form("blow GROUP", "blow main ballast, its vents shut"),

@@ -88,21 +88,40 @@ KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
 
 @dataclass(frozen=True)
 class Role:
-    """One part in the session; ``title`` is whose a thing is, as in "the helm's"."""
+    """One part in the session.
+
+    ``title`` is whose a thing is, as in "the helm's"; ``part`` follows "you", as in "have the
+    helm", or "are the diving officer".
+    """
 
     name: str
     title: str
+    part: str
     commands: frozenset[str]
     channels: tuple[str, ...]
     events: frozenset[str]
 
+    @property
+    def of_another(self) -> str:
+        """Return the part as it follows the name of a line: "has the helm"."""
+        verb, _, rest = self.part.partition(" ")
+        return f"{OF_ANOTHER[verb]} {rest}"
 
-def _role(name: str, title: str, *channels: str) -> Role:
+
+OF_ANOTHER: Final = {"have": "has", "are": "is"}  # the verbs of a part
+
+
+def _role(name: str, title: str, part: str, *channels: str) -> Role:
     """Return a role with its controls and what it hears, beside the channels everybody has."""
     own = {order for control in CONTROLS if name in control.roles for order in control.orders}
     heard = frozenset(kind for kind, (_, roles) in KINDS.items() if name in roles)
     return Role(
-        name, title, COMMON | own, ("teletype", "gauges", "orders", *channels, "time"), heard
+        name,
+        title,
+        part,
+        COMMON | own,
+        ("teletype", "gauges", "orders", *channels, "time"),
+        heard,
     )
 
 
@@ -113,6 +132,7 @@ TRUTH: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout",
 INSTRUCTOR: Final = Role(
     "instructor",
     "the instructor's",
+    "are an instructor",
     COMMON | ORDERS,
     ("teletype", "gauges", "orders", *PANELS, "scope", "swell", "time", *TRUTH),
     frozenset(KINDS),
@@ -121,20 +141,27 @@ ROLES: Final[Mapping[str, Role]] = {
     role.name: role
     for role in (
         INSTRUCTOR,
-        _role("helm", "the helm's", "steering", "engine"),
-        _role("planes", "the planes station's", "diving"),
-        _role("pilot", "the pilot's", "steering", "engine", "diving"),
-        _role("ballast", "the ballast station's", "tanks", "air", "valves"),
-        _role("diving", "the diving officer's", "diving", "engine", "tanks", "air", "valves"),
-        _role("observer", "an observer's", *PANELS),
-        _role("visitor", "a visitor's", "diving"),
-        _role("scope", "the periscope's", "scope", "swell"),
+        _role("helm", "the helm's", "have the helm", "steering", "engine"),
+        _role("planes", "the planes station's", "have the planes", "diving"),
+        _role(
+            "pilot", "the pilot's", "have helm and planes (pilot)", "steering", "engine", "diving"
+        ),
+        _role("ballast", "the ballast station's", "have the ballast", "tanks", "air", "valves"),
+        _role(
+            "diving",
+            "the diving officer's",
+            "are the diving officer",
+            *("diving", "engine", "tanks", "air", "valves"),
+        ),
+        _role("observer", "an observer's", "are an observer", *PANELS),
+        _role("visitor", "a visitor's", "are a visitor", "diving"),
+        _role("scope", "the periscope's", "have the periscope", "scope", "swell"),
     )
 }
 
 # A line that has to say a token and has not: it sees and orders nothing.
 STRANGER: Final = Role(
-    "stranger", "nobody's", frozenset({"role", "help", "detach"}), (), frozenset()
+    "stranger", "nobody's", "are nobody yet", frozenset({"role", "help", "detach"}), (), frozenset()
 )
 
 
@@ -148,7 +175,7 @@ def refusal(role: Role, order: Order) -> str | None:
     says = control.says if control else f'"{order.text}" is'
     owners = [ROLES[name].title for name in control.roles] if control else []
     whose = " or ".join(owners or [INSTRUCTOR.title])
-    return f"{says} {whose}; this line is {role.title}"
+    return f"{says} {whose}; you {role.part}"
 
 
 def not_for_visitors(role: Role) -> str:
@@ -167,7 +194,8 @@ def blind(role: Role, channel: str) -> str | None:
         return None
     if role is STRANGER:
         return "say who you are first: role NAME TOKEN"
-    return f"{channel} is not on this line, {role.title}; it has {', '.join(role.channels)}, events"
+    shown = ", ".join((*role.channels, "events"))
+    return f"{channel} is not shown here: you {role.part}; you may see {shown}"
 
 
 def hears(role: Role, kind: str) -> bool:

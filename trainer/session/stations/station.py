@@ -25,6 +25,7 @@ from trainer.session.stations.roles import (
     GUESSES,
     INSTRUCTOR,
     ROLES,
+    STRANGER,
     Access,
     Role,
     hears,
@@ -40,6 +41,7 @@ from trainer.session.stations.subscriptions import (
 
 ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait
 ORDERS_AT_ONCE: Final = 100
+GUESSED_WRONG: Final = "wrong token: type role NAME TOKEN with the right one"
 
 
 class Fact(NamedTuple):
@@ -227,7 +229,7 @@ class Station:
         self._machine = heard.machine
         self._program = self._program or heard.machine
         if self._late:
-            self._answer(heard, Refused("not heard: the answer to a wrong token is kept back"))
+            self._answer(heard, Refused("not heard: wait for the answer to the wrong token"))
             return []
         if isinstance(heard.order, BadOrder):
             self._bad(heard, heard.order.reason)
@@ -246,7 +248,8 @@ class Station:
             order = to_the_crew(order)
         why = refusal(self.role, order)
         if why is not None:
-            self._refuse(heard, order, why)
+            guessed = self.role is STRANGER and self.counts.guesses
+            self._refuse(heard, order, GUESSED_WRONG if guessed else why)
             return []
         duties: dict[str, Callable[[Heard, Order], None]] = {
             "role": self._take_role,
@@ -321,15 +324,15 @@ class Station:
     def _take_role(self, heard: Heard, order: Order) -> None:
         """Let the line be what it says it is, once, if it has the token."""
         if self._settled:
-            self._refuse(heard, order, f"this line is {self.role.title}, and stays so")
+            self._refuse(heard, order, f"you {self.role.part}: a line keeps its role")
             return
         if not self._door.admits(order.word, order.subject):
             self._refuse_token(heard, order)
             return
         self.role, self._settled = ROLES[order.word], True
         self._door.entered()
-        self._log("station", f"{self.line.name} is {self.role.title}")
-        self._answer(heard, f"this line is {self.role.title}", *powers(self.role))
+        self._log("station", f"{self.line.name} now {self.role.of_another}")
+        self._answer(heard, f"you {self.role.part}", *powers(self.role))
         self.wishes.keep_for(self.role)
 
     def _refuse_token(self, heard: Heard, order: Order) -> None:
@@ -338,7 +341,9 @@ class Station:
         The line is closed after the third.
         """
         if not order.subject:
-            self._refuse(heard, order, "this session asks for a token: role NAME TOKEN")
+            self._refuse(
+                heard, order, "this session needs a token: --token WORD, or type role NAME TOKEN"
+            )
             return
         self.counts.guesses += 1
         self.counts.refused += 1
@@ -381,7 +386,7 @@ class Station:
 def powers(role: Role) -> list[str]:
     """Return what a role may order and see, in words of at most 79 columns."""
     own = "everything" if role is INSTRUCTOR else ", ".join(sorted(role.commands - COMMON))
-    told = f"it orders {own or 'nothing'}; it sees {', '.join(role.channels)}, {EVENTS}"
+    told = f"you may order {own or 'nothing'}; you may see {', '.join(role.channels)}, {EVENTS}"
     return textwrap.wrap(told, WIDTH)
 
 

@@ -80,6 +80,7 @@ class ExerciseWindow {
     this.offered = ""; // for which start or end it has opened by itself
     this.debrief = "";
     this.address = ""; // of the debrief, where this server has it
+    this.refusal = ""; // of the last order given at the end
     /** @type {string[]} */
     this.names = []; // of the exercises' files, as `next` tells them
     /** @type {import("./log.js").Aboard[]} */
@@ -105,7 +106,7 @@ class ExerciseWindow {
 
   /** Time has gone back: there is no end any more. */
   goBack() {
-    this.debrief = this.address = "";
+    this.debrief = this.address = this.refusal = "";
     if (this.view === "end") {
       this.offered = "";
       this.dialog.close();
@@ -253,13 +254,21 @@ class ExerciseWindow {
     ].filter((part) => part instanceof Node);
     const back = this.desk.moment.looking;
     const keys = [
-      this.key("Release marks", () => void this.desk.give("release marks")),
-      this.key("Debrief", () => void this.desk.give("debrief")),
+      this.key("Release marks", () => void this.order("release marks")),
+      this.key("Debrief", () => void this.order("debrief")),
+      ...(this.refusal ? [html("span", { class: "refusal", role: "alert" }, this.refusal)] : []),
       this.key("Again", () => void this.desk.give("again"), true),
       this.key(back ? `Again from ${clock(back.seconds)}` : `Again from ${BACK} ago`, () => void this.again()),
       this.key("Next", () => void this.choose()),
     ];
     return { title: `${session.exercise.title ?? "Exercise"}: ${title}`, body, keys };
+  }
+
+  /** Gives an order; a refusal is shown beside the keys. @param {string} words */
+  async order(words) {
+    const answer = await this.desk.give(words);
+    this.refusal = answer.ok ? "" : answer.text;
+    this.draw();
   }
 
   /** Returns where the debrief is: a key that opens it, or on which machine it lies. */

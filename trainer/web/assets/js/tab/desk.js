@@ -142,7 +142,7 @@ export class Desk {
     this.tellFact("back", order.text);
     this.tellBranches();
     const [from, to] = [left, this.core.ticks].map((at) => (at * this.core.step).toFixed(1));
-    return `back from ${from} s to ${to} s, frozen; branch ${this.flight.present} begins, branch ${abandoned} returns to where this was`;
+    return `back from ${from} s to ${to} s, frozen; branch ${this.flight.present} begins, branch ${abandoned} returns to where you were`;
   }
 
   /** Returns the tick so many seconds ago. @param {number} seconds */
@@ -345,7 +345,7 @@ const TIME = {
     desk.flight.replay(tick);
     desk.tellFact("order", order.text);
     desk.pacer.run();
-    return `replay from ${tick * desk.core.step} s; take over ends it anywhere`;
+    return `replay from ${tick * desk.core.step} s; take over ends it at any moment`;
   },
   take: (desk, order) => {
     if (order.words !== "take over") throw new Refusal(`${order.text}: ${OFFERED}`);
