@@ -140,7 +140,7 @@ def test_the_bench_steers_a_session_by_serial_lines() -> None:
 def test_where_nothing_is_compiled_a_run_is_interpreted_and_nothing_is_left_behind() -> None:
     with start_up.empty_cache() as environment:
         done = subprocess.run(
-            [*start_up.TRAINER, *start_up.RUN, start_up.SLOW],  # type: ignore[attr-defined]
+            [*start_up.TRAINER, *start_up.RUN, start_up.SLOW, "--verbose"],  # type: ignore[attr-defined]
             env=os.environ | environment,
             capture_output=True,
             text=True,

@@ -1,7 +1,7 @@
 """Every keyword of every call of the Python face reaches the option of its name."""
 
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ import trainer
 from trainer.cli import boat, calls, guide, identify
 from trainer.cli import sweep as sweep_command
 from trainer.config.files import shipped
+from trainer.identify.options import IdentifyOptions
 from trainer.units import KNOT
 
 RECORD = shipped("records", "example").with_suffix(".csv")
@@ -182,8 +183,8 @@ def test_a_keyword_of_a_fit_reaches_its_option(
     heard: dict[str, Any] = {}
     monkeypatch.setattr("trainer.identify.options.study_of", lambda _file, _options: None)
 
-    def fit_ship(_study: object, options: dict[str, Any]) -> None:
-        heard.update(options)
+    def fit_ship(_study: object, options: IdentifyOptions) -> None:
+        heard.update({item.name: getattr(options, item.name) for item in fields(options)})
         raise ArrivedError
 
     monkeypatch.setattr(identify, "fit_ship", fit_ship)

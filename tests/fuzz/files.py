@@ -228,6 +228,9 @@ COLUMNS: Final = {
 
 BRIEFING: Final = re.compile(rb'^briefing = """.*?"""\n', re.DOTALL | re.MULTILINE)
 SHORTER: Final = b'briefing = "Go."\n'
+STATED: Final = re.compile(
+    rb'^\[\[stated\]\].*?^says = "(.*?)"\n.*?(?=^\[|\Z)', re.DOTALL | re.MULTILINE
+)
 
 
 def text(parse: Callable[[str, Path], Any]) -> Callable[[bytes], None]:
@@ -364,12 +367,19 @@ def cut(name: str) -> Callable[[], list[bytes]]:
     return seeds
 
 
+def without_texts(seed: bytes) -> bytes:
+    """Return an exercise with a short briefing, without the figures of the long one."""
+    short = BRIEFING.sub(SHORTER, seed)
+    words = b" ".join(STATED.sub(b"", short).split())
+    return STATED.sub(lambda row: row[0] if row[1] in words else b"", short)
+
+
 def exercises() -> list[bytes]:
     """Return the shipped exercises, their briefings short: they are most of each.
 
     One that reads a grid of the ground beside it is not among them.
     """
-    seeds = [BRIEFING.sub(SHORTER, seed) for seed in shipped_seeds("exercises")]
+    seeds = [without_texts(seed) for seed in shipped_seeds("exercises")]
     return [seed for seed in seeds if b"grid =" not in seed]
 
 

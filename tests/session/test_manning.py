@@ -25,24 +25,24 @@ def crew_order(text: str) -> Order:
             "order course 045",
             (),
             ("planes", "instructor"),
-            "; nobody mans the helm: `course 045` for the autopilot, `rudder left 5` by hand",
+            "nobody mans the helm: `course 045` for the autopilot, `rudder left 5` by hand",
         ),
         (
             "order course left 045",
             (),
             (),
             (
-                "; nobody mans the helm: `course left to 045` for the autopilot, "
+                "nobody mans the helm: `course left to 045` for the autopilot, "
                 "`rudder left 5` by hand"
             ),
         ),
-        ("order course 045", ("rudder",), (), "; nobody mans the helm: `rudder left 5` by hand"),
+        ("order course 045", ("rudder",), (), "nobody mans the helm: `rudder left 5` by hand"),
         (
             "order depth 80",
             (),
             ("helm",),
             (
-                "; nobody mans the planes: `depth 80 m` for the autopilot, "
+                "nobody mans the planes: `depth 80 m` for the autopilot, "
                 "`stern planes dive 5` by hand"
             ),
         ),
@@ -50,15 +50,15 @@ def crew_order(text: str) -> Order:
             "order pitch 5 deg up",
             (),
             (),
-            "; nobody mans the planes: `stern planes dive 5` by hand",
+            "nobody mans the planes: `stern planes dive 5` by hand",
         ),
         (
             "order speed 8",
             (),
             (),
-            "; nobody mans the helm: `speed 8 kn` for the autopilot, `bell ahead standard` by hand",
+            "nobody mans the helm: `speed 8 kn` for the autopilot, `bell ahead standard` by hand",
         ),
-        ("tell hold her there", (), (), "; nobody of the crew is here"),
+        ("tell hold her there", (), (), "nobody of the crew is here"),
         ("tell hold her there", (), ("ballast",), ""),
         ("order course 045", (), ("pilot",), ""),
         ("order depth 80", (), ("diving",), ""),
@@ -79,7 +79,9 @@ def test_who_is_alone_is_told_so_and_the_order_stands_as_it_was_given(
 
     answer = ship.order("order course 045")
 
-    assert answer.startswith("ordered: course 045; nobody mans the helm: `course 045` for the auto")
+    assert answer == "ordered: course 045"
+    (remark,) = ship.said
+    assert remark.startswith("nobody mans the helm: `course 045` for the autopilot, ")
     assert ship.facts(ship.instructor, "crew-order") == ["course 045"]
     helm = ship.comes("helm")
     assert ship.order("order course 050") == "ordered: course 050"

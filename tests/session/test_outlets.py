@@ -416,7 +416,7 @@ def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(
                     assert report["lat"] == pytest.approx(25.0, abs=0.01)
                     wanted.discard((kind, way))
                 elif kind == "ATT":
-                    assert off(report["heading"], math.degrees(1.0)) < 5.0
+                    assert off(report["heading"], math.degrees(1.0)) < 20.0  # it turns meanwhile
                     wanted.discard((kind, way))
                 if not wanted:
                     break
@@ -472,7 +472,7 @@ def test_signal_k_takes_every_sentence(kept: Kept, tmp_path: Path) -> None:
             for answer in answers[tick * step : (tick + 1) * step]
             for value in answer or ()
         }
-        assert values["environment.depth.belowTransducer"] == pytest.approx(row["z"], abs=0.0051)
+        assert "environment.depth.belowTransducer" not in values  # it is no depth of water
         heading = math.degrees(values["navigation.headingTrue"])
         assert off(heading, math.degrees(row["psi"])) < 0.0051
         assert values["navigation.speedThroughWater"] == pytest.approx(row["u"], abs=0.0027)

@@ -1,4 +1,4 @@
-"""The tick of one boat, compiled into the cache before all else, and how far that is."""
+"""The tick of one boat is compiled first, and tells how far that is."""
 
 from collections.abc import Callable
 from types import ModuleType

@@ -182,11 +182,11 @@ class EventLog:
         """Return the roles of all stations but one."""
         return frozenset(other.role.name for other in self.stations if other is not station)
 
-    def as_kept(self, answer: Reply, remark: str = "") -> Reply:
-        """Return an answer, unless it refuses with a remark and whether it is not recorded."""
-        if isinstance(answer, Refused):
-            return answer
-        return f"{answer}{remark}{' (not recorded)' * bool(self.history.recording.trouble)}"
+    def as_kept(self, answer: Reply) -> Reply:
+        """Return an answer with a word on it if what it answers is not recorded."""
+        if self.history.recording.trouble and not isinstance(answer, Refused):
+            return f"{answer} (not recorded)"
+        return answer
 
     def tell_trouble(self) -> None:
         """Tell once that the recording is in trouble, and once that it is not."""

@@ -88,10 +88,10 @@ def unheard(
     if not set(CONCERNED[axis]).isdisjoint(roles):
         return ""
     if axis == WORDS:
-        return "; nobody of the crew is here"
+        return "nobody of the crew is here"
     own = parse(TURNED.sub(r"course \1 to", order.text.removeprefix("order ")))
     automatic = ""
     if isinstance(own, Order) and not in_hand(own, hand, allowed):
         automatic = f"`{own.text}` for the autopilot, "
     by_hand = f"`{BY_HAND[STEERED_BY_HAND.get(axis, axis)][1]}` by hand"
-    return f"; nobody mans the {CONCERNED[axis][0]}: {automatic}{by_hand}"
+    return f"nobody mans the {CONCERNED[axis][0]}: {automatic}{by_hand}"

@@ -275,7 +275,8 @@ class Session:
         answer = self.give(order, station.who)
         manned = self.event_log.attended_by_others(station)
         alone = unheard(order, self.crew.worked, self.crew.allowed, manned)
-        station.answer(asked, self.event_log.as_kept(answer, alone))
+        heard = [] if isinstance(answer, Refused) or not alone else [alone]
+        station.answer(asked, self.event_log.as_kept(answer), *heard)
         if self.event_log.pass_on(order, answer, station) == "back":
             self.event_log.recall(self.crew.unrepeated)
         self._tell_plans()

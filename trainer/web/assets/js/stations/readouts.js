@@ -54,7 +54,7 @@ export function giver(session) {
     if (answer.ok) session.crew.gave(answer.text);
     session.tell("crew");
     const later = session.state === "frozen" && !words.startsWith("mark ") ? ": acts when time runs" : "";
-    const told = `${words}: ${answer.text}`;
+    const told = [`${words}: ${answer.text}`, ...(answer.lines.length === 1 ? answer.lines : [])].join("; ");
     line.toggleAttribute("data-refused", !answer.ok);
     write(line, answer.ok ? `${told}${later}` : `Refused: ${told}`);
     return answer.ok;
