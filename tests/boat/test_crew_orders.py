@@ -66,7 +66,7 @@ def test_an_order_stands_as_it_was_said(boat: Boat, line: str, told: str) -> Non
     ("line", "why"),
     [
         ("order depth 1900", "this boat's greatest depth is"),
-        ("order speed 60", "this boat makes"),
+        ("order speed 60", "this boat's greatest speed is 20 kn"),
         ("order clear course", "the crew has no order on course"),
         ("order clear all", "the crew has no order"),
     ],

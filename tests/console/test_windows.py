@@ -92,7 +92,7 @@ def test_a_window_scrolls_by_keys_no_further_than_its_end() -> None:
     assert plain(window.draw(30, 12)).count("row") == 10
     assert "row 29" in plain(window.draw(30, 12))
     window.press("home", None)
-    assert "20 more below" in plain(window.draw(60, 12))
+    assert "20 more lines below" in plain(window.draw(60, 12))
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -272,7 +272,7 @@ def test_a_long_answer_is_read_in_a_window_and_a_short_one_in_the_log() -> None:
         await seen(pilot, app, "instructor at local 1")
         assert len(app.screen_stack) == 1
         await pilot.press(*"status", "enter")
-        await seen(pilot, app, "more below")
+        await seen(pilot, app, "more lines below")
         await pilot.press("end")
         await seen(pilot, app, "line 39")
         await pilot.press("escape")

@@ -293,7 +293,7 @@ def test_an_order_is_repeated_by_the_station_it_concerns(
     assert "WRONG" not in answer
     assert "aye" in here.heard("instructor")[-1]
     before = here.boat.records.state.tobytes()
-    assert here.say(role, words)[-1].startswith("? no new order")
+    assert here.say(role, words)[-1].startswith("? there is no new order")
     assert here.boat.records.state.tobytes() == before
 
 
@@ -316,7 +316,7 @@ def test_words_stand_on_the_panels_from_the_next_tick_also_once_repeated(
     here.fly(1.0)
     (*_, last) = [line for line in here.lines["helm"].sent if line.startswith("$TRS,orders")]
     assert ",surface; then steer" in last
-    assert here.say("helm", "aye")[-1].startswith("? no new order")
+    assert here.say("helm", "aye")[-1].startswith("? there is no new order")
 
 
 def test_words_are_repeated_without_the_word_that_gave_them(crew: Make) -> None:

@@ -461,6 +461,18 @@ def test_command_goes_between_two_browsers_and_comes_back_when_one_dies(
     expect(first.locator("#truth tr[data-of='depth'] .ordered")).to_have_text("100")
 
 
+def test_a_refused_debrief_is_told_beside_its_key(
+    shared: Served, caller: Caller, look: Look
+) -> None:
+    page = settled(shared, look)
+    assert caller.ask("end exercise")[0]
+    window = page.locator("#exercise")
+
+    window.get_by_role("button", name="Debrief").click()
+
+    expect(window.get_by_role("alert")).to_contain_text("has command")
+
+
 def order(page: Page, words: str) -> None:
     """Give an order at a page's order line."""
     page.locator("#order").fill(words)

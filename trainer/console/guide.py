@@ -140,7 +140,7 @@ class Reading:
     def _foot(self, lines: Sequence[Line], room: int) -> Line:
         """Return what more there is, and the keys."""
         below = len(lines) - self.top - room
-        more = f" {below} more lines: press Down or Page Down;" if below > 0 else ""
+        more = f" {below} more lines below: Down or Page Down;" if below > 0 else ""
         back = " Up goes back;" if self.top else ""
         does = "".join(f"   {says}" for _, says in self.keys.values() if says)
         return line((f"{more}{back}", "warning"), (" Esc closes", "dim"), (does, "title"))
