@@ -243,7 +243,7 @@ def test_frozen_and_resumed_in_real_time_gives_the_same_bits(start: Start, tmp_p
         ("", "00:00:02"),
         ("freeze\n", "frozen"),
         ("step 2\n", "2 ticks"),
-        ("time max\n", "time as fast"),
+        ("time max\n", "time runs as fast"),
         ("time 20\n", "time x20"),
         ("run\n", "running"),
     ):
@@ -287,7 +287,7 @@ def test_a_signal_ends_the_run_cleanly_with_its_recording_complete(
     heard(process, "00:00:02")
     if words:
         say(process, words)
-        heard(process, {"freeze\n": "frozen", "time max\n": "time as fast"}[words])
+        heard(process, {"freeze\n": "frozen", "time max\n": "time runs as fast"}[words])
     process.send_signal(number)
     ran = Run(process)
 
