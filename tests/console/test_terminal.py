@@ -177,7 +177,7 @@ def test_the_first_exercise_by_the_keys_that_help_names(
 
     terminal.wait("00:02:[1-5]|00:0[3-9]:")
     terminal.type("F4")
-    terminal.wait("type to find one")
+    terminal.wait("Choose what breaks")
     terminal.type("stern-stuck", "Enter")
     terminal.wait(r"broken  stern-stuck")
     terminal.type("C-s")  # no key of ours stops the terminal or ends the console
@@ -202,7 +202,7 @@ def test_the_first_exercise_by_the_keys_that_help_names(
     terminal.type("F10")
     terminal.wait("Leave\\?")
     terminal.type("q")
-    terminal.wait("1 station is attached: quit again")
+    terminal.wait("1 station is attached: type quit again")
     terminal.type("F10")
     terminal.wait("Leave\\?")
     terminal.type("q")

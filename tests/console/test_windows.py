@@ -121,7 +121,11 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
         await seen(pilot, app, "Depth changes, by hand.")
         await pilot.press("escape")
         talk.say(sentences.fact(130, 65.0, "exercise-over", "lost"))
-        await seen(pilot, app, "EXERCISE OVER: lost" if role != "instructor" else "release the")
+        await seen(
+            pilot,
+            app,
+            "EXERCISE OVER: lost" if role != "instructor" else "show the marks to the crew",
+        )
         talk.say(sentences.event(130, 65.0, "marks", "marks: lost, 12, +-4 by the sea alone"))
         talk.say(sentences.event(130, 65.0, "marks", "  too deep for 20 s"))
         for text in ("lost, 12, +-4 by the sea alone", "too deep for 20 s"):

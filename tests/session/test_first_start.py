@@ -439,7 +439,7 @@ def test_the_tick_comes_before_the_rest_and_has_its_mark_before_the_rest_begins(
         assert compilation.is_tick_kept()
         assert not compilation.is_kept()
 
-    monkeypatch.setattr(warm_up, "compile_tick", compile_tick)
+    monkeypatch.setattr("trainer.boat.first_tick.compile_tick", compile_tick)
     monkeypatch.setattr(warm_up, "try_out", try_out)
     warm_up.precompile()
     warm_up.precompile()

@@ -13,7 +13,6 @@ import numpy as np
 from trainer.boat import casualties, compilation
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.first_tick import compile_tick
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
@@ -99,6 +98,8 @@ def compile_in_stages() -> None:
     """Compile the tick alone, to which runs at sea go over, and then the rest."""
     limit_work(TICK_NICENESS)
     if not compilation.is_tick_kept():
+        from trainer.boat.first_tick import compile_tick  # noqa: PLC0415  an interpreted run must not
+
         compile_tick(compilation.write_progress)
         compilation.keep("tick")
     limit_work(REST_NICENESS - TICK_NICENESS)

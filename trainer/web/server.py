@@ -76,7 +76,7 @@ def application(reach: Reach, host: str, refusals: Refusals) -> WholeRequests:
     missing = render(MISSING_PAGE)
 
     async def show_the_way_back(request: Request, _error: Exception) -> Response:
-        if request.url.path.startswith("/assets/"):  # no person asks for those
+        if request.url.path.startswith(("/assets", "/debrief")):  # no person types those
             return PlainTextResponse("not found\n", 404)
         return HTMLResponse(missing, 404)
 
