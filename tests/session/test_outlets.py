@@ -407,7 +407,7 @@ def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(
         ticking = threading.Event()
         threading.Thread(target=tick_until, args=(deck, ticking), daemon=True).start()
         try:
-            # by UDP gpsd does not tell where a set ends, and so reports no fix before a minute or so
+            # by UDP gpsd does not see where a set ends, and reports no fix for a long time
             line = os.ttyname(gps_far)
             wanted = {("TPV", line), ("ATT", line), ("ATT", udp)}
             for report in itertools.islice(watched(port), 400):

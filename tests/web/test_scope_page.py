@@ -155,6 +155,7 @@ def test_no_more_is_painted_than_the_round_view_needs(
     assert not mixed
 
 
+@pytest.mark.usefixtures("desk")
 def test_a_trainee_s_page_is_told_no_range(traffic: Served, look: Look) -> None:
     page = opened(look, traffic)
     told = page.locator("scope-view").get_attribute("aria-label") or ""
