@@ -58,7 +58,7 @@ TOLD = {
     "io/paths.py",  # a recording's name
     "session/nmea/outlets.py",  # when the boat's own clock, sent to instruments, begins
     "cli/guide.py",  # when a guide was made
-    "analysis/debrief/changes.py",  # when a mark was changed
+    "debrief/changes.py",  # when a mark was changed
 }
 TIME_OF_DAY = {"now", "utcnow", "today", "time", "time_ns"}  # of datetime, date and time
 

@@ -10,7 +10,7 @@ from helpers.places import DATA
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.analysis.evaluate import ANGLES, KNOWN, NECESSARY, evaluate
+from trainer.analysis.programs.evaluate import ANGLES, KNOWN, NECESSARY, evaluate
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.state import RATES

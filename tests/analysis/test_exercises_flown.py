@@ -11,9 +11,6 @@ import numpy as np
 import pytest
 from helpers.places import ROOT
 
-from trainer.analysis.debrief.data import gather
-from trainer.analysis.debrief.judgement import judge, plain_marks
-from trainer.analysis.debrief.scoring import Scorecard
 from trainer.analysis.exercise_page import (
     Flown,
     baseline_of,
@@ -26,7 +23,6 @@ from trainer.analysis.exercise_page import (
     table,
     varies,
 )
-from trainer.analysis.rehearsal import CREW, Rehearsal, fly
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import insert
 from trainer.boat.reference_crew import Reaction, ReferenceCrew
@@ -35,6 +31,10 @@ from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, Place, path_named, read_text, shipped_names
 from trainer.config.reference_crew import Crew, read_crew
 from trainer.core.cache import core_digest
+from trainer.debrief.data import gather
+from trainer.debrief.judgement import judge, plain_marks
+from trainer.debrief.rehearsal import CREW, Rehearsal, fly
+from trainer.debrief.scoring import Scorecard
 from trainer.io.orders.grammar import Refused
 from trainer.io.recording.recording import Journalled, Recording
 from trainer.session.options import RunOptions

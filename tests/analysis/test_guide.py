@@ -30,12 +30,12 @@ from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT, Measure, share
 from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
-from trainer.analysis.report.html import find_browser
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method
 from trainer.cli.guide import guide, manoeuvre
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
+from trainer.report.html import find_browser
 from trainer.units import KNOT
 
 MADE = "2026-01-01 00:00:00 UTC"

@@ -28,12 +28,12 @@ from trainer.analysis.manoeuvres.vehicle import (
     swing_measures,
 )
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot
-from trainer.analysis.report import plots
 from trainer.boat.assemble import Method
 from trainer.cli.guide import manoeuvre as command
 from trainer.cli.main import main
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel
+from trainer.report import plots
 from trainer.units import KNOT
 
 FOOT = 0.3048

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from trainer.analysis.neutral import neutral, panels
-from trainer.analysis.report import plots
+from trainer.analysis.programs.neutral import neutral, panels
 from trainer.cli.programs import PROGRAMS
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
+from trainer.report import plots
 
 COMMANDS: dict[str, click.Command] = {str(command.name): command for command in PROGRAMS}
 ON_VESSELS = ["neutral", "thrust", "tanks", "modes"]

@@ -12,9 +12,9 @@ import pytest
 from click.testing import CliRunner, Result
 from helpers.places import DATA
 
-from trainer.analysis import fit as ec310
-from trainer.analysis.characteristic import horizontal, vertical
-from trainer.analysis.compare import (
+from trainer.analysis.programs import fit as ec310
+from trainer.analysis.programs.characteristic import horizontal, vertical
+from trainer.analysis.programs.compare import (
     Comparison,
     compare,
     event_apart,

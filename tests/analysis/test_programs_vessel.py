@@ -14,10 +14,11 @@ from helpers.places import DATA
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.analysis import characteristic, check, tanks, thrust
-from trainer.analysis import constants as constants_program
-from trainer.analysis import neutral as neutral_program
-from trainer.analysis.characteristic import (
+from trainer.analysis import check
+from trainer.analysis.programs import characteristic, tanks, thrust
+from trainer.analysis.programs import constants as constants_program
+from trainer.analysis.programs import neutral as neutral_program
+from trainer.analysis.programs.characteristic import (
     HORIZONTAL,
     Law,
     Linear,
@@ -26,7 +27,7 @@ from trainer.analysis.characteristic import (
     horizontal,
     vertical,
 )
-from trainer.analysis.neutral import (
+from trainer.analysis.programs.neutral import (
     STEEPEST,
     fold_speeds,
     level_flight,

@@ -10,7 +10,6 @@ import pytest
 from click.testing import CliRunner, Result
 from helpers.places import ROOT
 
-from trainer.analysis.report.plots import Panel
 from trainer.analysis.sweep.job import job_of, open_job
 from trainer.analysis.sweep.records import key_tables
 from trainer.analysis.sweep.report import effects_of, panels, report_of, spread_of
@@ -19,6 +18,7 @@ from trainer.analysis.sweep.study import load_study, parse_study
 from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError, shipped_names
+from trainer.report.plots import Panel
 
 HEAD = """schema = "sweep/1"
 name = "test"

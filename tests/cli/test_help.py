@@ -14,8 +14,8 @@ from helpers.decca_run import write_run
 from helpers.places import ROOT
 from helpers.shell import FILES, Done, shell_environment, typed, understand
 
-from trainer.analysis.report.html import find_browser
 from trainer.cli.main import cli
+from trainer.report.html import find_browser
 
 
 def pages(command: click.Command, path: str) -> Iterator[tuple[str, str]]:

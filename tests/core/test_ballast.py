@@ -15,7 +15,7 @@ from helpers.places import DATA, ROOT, environment
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.analysis import tanks as ec430
+from trainer.analysis.programs import tanks as ec430
 from trainer.boat.assemble import ballast_record
 from trainer.boat.boat import Boat
 from trainer.config.ballast_records import key_tables

@@ -24,9 +24,9 @@ from fuzz.fuzz import (
 from fuzz.lines import GRAMMAR
 from trainer.analysis.estimate.boat_file import boat_tables, boat_text, estimate_of
 from trainer.analysis.estimate.boat_file import load as load_drawing
-from trainer.analysis.evaluate import answers
 from trainer.analysis.guide.contents import load_earlier
 from trainer.analysis.guide.trials import load_published
+from trainer.analysis.programs.evaluate import answers
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method, Records, fit_out
 from trainer.config.casualties import parse_casualties

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from trainer.analysis.rehearsal import due, last_tick
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.config.files import remembering
+from trainer.debrief.rehearsal import due, last_tick
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Recording

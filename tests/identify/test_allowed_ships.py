@@ -11,7 +11,6 @@ import pytest
 from click.testing import CliRunner
 from helpers.studies import columns
 
-from trainer.analysis.report.plots import Curve, Panel, Screen
 from trainer.cli.identify import identify
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.fitting.minimise import unheard
@@ -26,6 +25,7 @@ from trainer.identify.options import IdentifyOptions, study_of
 from trainer.identify.record.measurements import Samples
 from trainer.identify.record.study import observe
 from trainer.identify.sheet import sheet
+from trainer.report.plots import Curve, Panel, Screen
 
 pytest.importorskip("scipy")
 

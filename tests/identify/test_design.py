@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.analysis.characteristic import Means, horizontal
+from trainer.analysis.programs.characteristic import Means, horizontal
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sensors import Sensors

@@ -13,8 +13,6 @@ import pytest
 from click.testing import CliRunner
 from helpers.studies import columns
 
-from trainer.analysis.report.panels import draw
-from trainer.analysis.report.plots import Curve, Panel
 from trainer.cli.identify import identify
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.fitting.minimise import unheard
@@ -30,6 +28,8 @@ from trainer.identify.pages.series import bent_terms, matrices_of, series_of, te
 from trainer.identify.record.measurements import Samples
 from trainer.identify.record.study import load_study, observe
 from trainer.identify.sheet import MAX_PANELS
+from trainer.report.panels import draw
+from trainer.report.plots import Curve, Panel
 
 pytest.importorskip("scipy")
 

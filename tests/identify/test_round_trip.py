@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 from helpers.places import ROOT
 
-from trainer.analysis.characteristic import horizontal
+from trainer.analysis.programs.characteristic import horizontal
 from trainer.cli.guide import manoeuvre
 from trainer.cli.identify import identify, prbs
 from trainer.config.vessel import load_vessel

@@ -10,8 +10,6 @@ import numpy as np
 import pytest
 
 from trainer.analysis.boat_page import boat_of
-from trainer.analysis.debrief.measures import rows_beyond
-from trainer.analysis.rehearsal import Departure, fly
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.boat.limits import LimitMonitor, chased
@@ -22,6 +20,8 @@ from trainer.config.condition import compile_conditions
 from trainer.config.exercise import Limits, parse_exercise
 from trainer.config.files import ConfigError, Place
 from trainer.config.sea import load_sea
+from trainer.debrief.measures import rows_beyond
+from trainer.debrief.rehearsal import Departure, fly
 from trainer.io.chart import DEFAULT
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.queries import Moment

@@ -8,9 +8,6 @@ from pathlib import Path
 import pytest
 from helpers.crewed import Crewed
 
-from trainer.analysis.debrief.episodes import groundings
-from trainer.analysis.debrief.judgement import judge, plain_marks
-from trainer.analysis.rehearsal import Rehearsal, fly
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
 from trainer.boat.grounding import GroundMonitor, Touch, clearance
@@ -20,6 +17,9 @@ from trainer.boat.world.world import World
 from trainer.config.bottom import Bottom, read_bottom
 from trainer.config.exercise import Limits
 from trainer.config.files import Place, remembering
+from trainer.debrief.episodes import groundings
+from trainer.debrief.judgement import judge, plain_marks
+from trainer.debrief.rehearsal import Rehearsal, fly
 from trainer.io.chart import DEFAULT
 from trainer.session.header import differences, header_of, plan_of
 from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, choose_instruments

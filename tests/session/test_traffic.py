@@ -13,12 +13,12 @@ import pytest
 from helpers.crewed import Crewed, crewed
 from helpers.places import environment
 
-from trainer.analysis.debrief.episodes import meet
-from trainer.analysis.rehearsal import fly
 from trainer.boat.world.contacts import contacts_in
 from trainer.cli.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.config.world import WorldTables, read_world
+from trainer.debrief.episodes import meet
+from trainer.debrief.rehearsal import fly
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.run import run_boat

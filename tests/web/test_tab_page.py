@@ -30,9 +30,9 @@ from playwright.sync_api import Browser, Page, expect
 
 from trainer.analysis.bench.standard_hour import standard_boat
 from trainer.analysis.boat_page import page_of, write_page
-from trainer.analysis.debrief.page import Asked, debrief_file
 from trainer.cli.export import boat_at_start, page_text
 from trainer.config.files import ConfigError, read_text, shipped
+from trainer.debrief.page import Asked, debrief_file
 from trainer.io.recording.recording import Recording
 from trainer.session.options import RunOptions
 from trainer.web import single_file as maker

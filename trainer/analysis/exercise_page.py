@@ -17,10 +17,6 @@ from typing import Final
 
 import click
 
-from trainer.analysis.debrief.judgement import MOST_NOBODY, judge, plain_marks
-from trainer.analysis.debrief.scoring import Scorecard, formula_of
-from trainer.analysis.debrief.trajectory import lacks
-from trainer.analysis.rehearsal import CREW, Rehearsal, fly
 from trainer.analysis.stated import fly_stated
 from trainer.boat.boat import Boat
 from trainer.boat.reference_crew import Reaction
@@ -51,6 +47,10 @@ from trainer.config.reference_crew import Crew
 from trainer.config.score_rules import Rule
 from trainer.config.vessel import load_vessel
 from trainer.core.cache import core_digest
+from trainer.debrief.judgement import MOST_NOBODY, judge, plain_marks
+from trainer.debrief.rehearsal import CREW, Rehearsal, fly
+from trainer.debrief.scoring import Scorecard, formula_of
+from trainer.debrief.trajectory import lacks
 from trainer.io.atomic_write import write_whole
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run

@@ -9,8 +9,6 @@ from typing import Any, Final
 import click
 import numpy as np
 
-from trainer.analysis.compare import unit
-from trainer.analysis.report.plots import Curve, Panel, draw
 from trainer.analysis.series import FEWEST, Series, load_series
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, quote
@@ -27,6 +25,8 @@ from trainer.io.tables import (
     orders_table,
     states_table,
 )
+from trainer.report.columns import DEPTH_COLUMNS, page_unit
+from trainer.report.plots import Curve, Panel, draw
 from trainer.session.header import layout_of, method_of, reading, trainees_of
 from trainer.session.layout import numbers_of
 
@@ -101,18 +101,24 @@ def recorded_series(path: Path, names: Sequence[str], branch: int | None) -> Ser
 def panel_of(series: Series, names: Sequence[str]) -> Panel:
     """Return columns over time on one pair of axes; ConfigError if their units differ."""
     columns = [series.column(name) for name in names]
-    units = list(dict.fromkeys(unit(name)[1] for name in names))
+    units = list(dict.fromkeys(page_unit(name)[1] for name in names))
     if len(units) > 1:
         raise ConfigError(
             f"--column {','.join(names)}: {' and '.join(units)} do not share an axis; give "
             "--column once for each"
         )
     curves = tuple(
-        Curve(name, series.t, unit(name)[0] * values)
+        Curve(name, series.t, page_unit(name)[0] * values)
         for name, values in zip(names, columns, strict=True)
     )
     title = ", ".join(names)
-    return Panel(title, "time [s]", f"{title} [{units[0]}]", curves)
+    return Panel(
+        title,
+        "time [s]",
+        f"{title} [{units[0]}]",
+        curves,
+        downwards=DEPTH_COLUMNS.issuperset(names),
+    )
 
 
 def csv_files(recording: recording_file.Recording, path: Path, branch: int | None) -> list[Path]:

@@ -11,8 +11,6 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, plain, table, wrap
 from trainer.config.files import ConfigError
 from trainer.config.sea import SeaFile, sea_settings, step_problem
 from trainer.config.vessel import VesselFile
@@ -31,6 +29,8 @@ from trainer.core.sea.sea import (
 from trainer.core.sea.wave_filter import STEEPEST_TURN
 from trainer.core.state import new_sea, new_state
 from trainer.core.vessel import VESSEL
+from trainer.report.plots import Curve, Panel
+from trainer.report.text import INDENT, plain, table, wrap
 from trainer.units import KNOT
 
 BANDS: Final = np.arange(6, 20) / 10.0  # [-] where they begin, times the peak frequency

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from trainer.analysis.debrief.trajectory import Trajectory
-from trainer.analysis.rehearsal import Rehearsal, fly
 from trainer.config.exercise import load_exercise
 from trainer.config.stated import Stated
+from trainer.debrief.rehearsal import Rehearsal, fly
+from trainer.debrief.trajectory import Trajectory
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 

@@ -62,7 +62,7 @@ def show(
     from dataclasses import asdict
 
     if how["plot"]:
-        from trainer.analysis.report.plots import draw
+        from trainer.report.plots import draw
 
         draw(panels(), how["plot"])
     click.echo(json_of(asdict(report)) if how["as_json"] else page(report))

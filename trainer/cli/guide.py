@@ -107,7 +107,7 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
         format_parameters,
         parameters,
     )
-    from trainer.analysis.report.text import table
+    from trainer.report.text import table
 
     rows = []
     for name, manoeuvre in MANOEUVRES.items():
@@ -310,9 +310,9 @@ def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
     """Write the page and print it, where asked for; ConfigError if that cannot be."""
     import tempfile
 
-    from trainer.analysis.report.html import print_pdf
     from trainer.config.files import ConfigError
     from trainer.io.atomic_write import write_whole
+    from trainer.report.html import print_pdf
 
     if html is None and pdf is None:
         return

@@ -43,7 +43,7 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
 
     Exit code 1 when a change of change is beyond what is allowed.
     """
-    from trainer.analysis import compare as program
+    from trainer.analysis.programs import compare as program
     from trainer.analysis.series import load_series
 
     runs = load_series(full), load_series(other)
@@ -88,7 +88,7 @@ def fit(run: Path, column: str, **options: Any) -> None:
     The starting roots are those of a vessel, or else of the response itself (EC120, EC150,
     EC330). Exit code 1 when the fit does not settle.
     """
-    from trainer.analysis import fit as program
+    from trainer.analysis.programs import fit as program
     from trainer.analysis.series import load_series
 
     span = options["begin"], options["end"]
@@ -110,8 +110,8 @@ def fit(run: Path, column: str, **options: Any) -> None:
 
 def starting_roots(t: Any, y: Any, options: dict[str, Any]) -> tuple[list[complex], str]:
     """Return the roots [1/s] to start from, and their source; UsageError if half is given."""
-    from trainer.analysis import characteristic
-    from trainer.analysis.fit import one_of_each, pencil_roots
+    from trainer.analysis.programs import characteristic
+    from trainer.analysis.programs.fit import one_of_each, pencil_roots
     from trainer.config.vessel import load_vessel
     from trainer.units import KNOT
 
@@ -168,7 +168,7 @@ def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: 
 
     With --depth the force and moment of a calm surface act, by the vessel's [free_surface].
     """
-    from trainer.analysis import neutral as program
+    from trainer.analysis.programs import neutral as program
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
@@ -201,7 +201,7 @@ def thrust(vessel: str, speeds: tuple[float, ...], commands: tuple[float, ...], 
     \b
     Example:  trainer thrust bb2 --speed 0 --speed 10 --command 15 --command -5
     """
-    from trainer.analysis import thrust as program
+    from trainer.analysis.programs import thrust as program
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
@@ -242,7 +242,7 @@ def tanks(vessel: str, fills: tuple[tuple[str, float], ...], **how: Any) -> None
     \b
     Example:  trainer tanks bb2 --fill auxiliary=1 --plot polygon.svg
     """
-    from trainer.analysis import tanks as program
+    from trainer.analysis.programs import tanks as program
     from trainer.config.vessel import load_vessel
 
     names = [name for name, _ in fills]
@@ -287,7 +287,7 @@ def modes(vessel: str, speeds: tuple[float, ...], depth: float | None, **options
 
     With --depth the vertical plane feels how the force of a calm surface changes with depth.
     """
-    from trainer.analysis import characteristic as program
+    from trainer.analysis.programs import characteristic as program
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)

@@ -115,8 +115,8 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     The page is one HTML file that needs nothing else. What is changed is kept beside the
     recording, and both marks are shown.
     """
-    from trainer.analysis.debrief.history import latest
-    from trainer.analysis.debrief.page import Asked, change_marks, debrief_file
+    from trainer.debrief.history import latest
+    from trainer.debrief.page import Asked, change_marks, debrief_file
 
     if (file is None) is not last:
         raise click.UsageError("name a recording, or say --last")
@@ -147,7 +147,7 @@ def recordings(
     """
     if trainee is not None and forget is not None:
         raise click.UsageError("--trainee and --forget are two things: say one")
-    from trainer.analysis.debrief import history
+    from trainer.debrief import history
 
     if forget is not None:
         history.print_forgotten(places, forget)

@@ -181,7 +181,7 @@ def debriefing() -> "Debriefing":
     from trainer.session.exercise import Debriefing, Judgement
 
     def judge(path: Path, branch: int) -> Judgement:
-        from trainer.analysis.debrief.page import read_dossier
+        from trainer.debrief.page import read_dossier
 
         with np.errstate(all="ignore"):  # a state may hold any number
             debrief = read_dossier(path, branch)
@@ -195,7 +195,7 @@ def debriefing() -> "Debriefing":
         return Judgement(card.verdict.outcome, card.total, (*why, *told), uncounted)
 
     def write(path: Path, branch: int) -> Path:
-        from trainer.analysis.debrief.page import Asked, beside, debrief_file
+        from trainer.debrief.page import Asked, beside, debrief_file
 
         debrief_file(path, None, None, Asked(branch), as_json=False)
         return beside(path, branch)

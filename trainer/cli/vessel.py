@@ -59,7 +59,7 @@ def evaluate(vessel: str, equations: str | None, rates: str | None, trig: str) -
     (SI, rad), optionally x_g y_g z_g weight and last_udot ... last_rdot; each line of output
     the twelve rates.
     """
-    from trainer.analysis.evaluate import evaluate as rates_of
+    from trainer.analysis.programs.evaluate import evaluate as rates_of
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
@@ -106,7 +106,7 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
 
 def list_constants(vessel: str, *, as_json: bool) -> None:
     """Print every constant of a vessel; ConfigError if there is no such vessel."""
-    from trainer.analysis.constants import constants, render
+    from trainer.analysis.programs.constants import constants, render
     from trainer.config.vessel import load_vessel
 
     report = constants(load_vessel(vessel))

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, Unpack, cast, 
 
 import numpy as np
 
-from trainer.analysis.report.plots import Panel, Screen, draw, figure_of
 from trainer.boat.ship.models import MODELS as OF_SHIPS
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, path_named
@@ -30,6 +29,7 @@ from trainer.identify.ships import page as ships_page
 from trainer.identify.ships.records import OF_ROLL, Trial, load_trial, trial_of
 from trainer.identify.ships.results import Identified as IdentifiedShip
 from trainer.identify.ships.results import fit_trials
+from trainer.report.plots import Panel, Screen, draw, figure_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

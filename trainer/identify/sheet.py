@@ -6,9 +6,9 @@ from typing import Any, Final
 
 from markupsafe import Markup
 
-from trainer.analysis.report import html
-from trainer.analysis.report.panels import draw, legend
-from trainer.analysis.report.plots import Panel, Screen
+from trainer.report import html
+from trainer.report.panels import draw, legend
+from trainer.report.plots import Panel, Screen
 
 MAX_PANELS: Final = 4  # of a screen
 Part = tuple[str, Markup]  # a screen of the page: its title, and what is on it

@@ -12,10 +12,6 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.analysis.debrief.data import gather
-from trainer.analysis.debrief.episodes import shown as shown_ticks
-from trainer.analysis.debrief.scoring import attain
-from trainer.analysis.debrief.trajectory import COLUMNS, Trajectory
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.boat.limits import LimitMonitor
@@ -41,6 +37,10 @@ from trainer.cli.main import cli
 from trainer.config.contacts import TYPES
 from trainer.config.exercise import Limits, parse_exercise
 from trainer.config.vessel import parse_vessel
+from trainer.debrief.data import gather
+from trainer.debrief.episodes import shown as shown_ticks
+from trainer.debrief.scoring import attain
+from trainer.debrief.trajectory import COLUMNS, Trajectory
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.recording.recording import Noted, Recording
 from trainer.session.header import layout_of, plan_of

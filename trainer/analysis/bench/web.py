@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any, Final
 from trainer import __version__
 from trainer.analysis.bench.end_to_end import begin_session
 from trainer.analysis.bench.on_time import ENDED, count_missed, entry, lateness_of
-from trainer.analysis.report.html import find_browser
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.io.orders.sentences import order_sentence
+from trainer.report.html import find_browser
 from trainer.session.time.ledger import Spread
 
 if TYPE_CHECKING:

@@ -14,13 +14,13 @@ from trainer.analysis.estimate.coefficients import Hull
 from trainer.analysis.estimate.geometry import Panel
 from trainer.analysis.estimate.survey import Band, Influence, Survey
 from trainer.analysis.estimate.uncertainty import rests
-from trainer.analysis.report.html import embed, page, paragraph, section, table
-from trainer.analysis.report.svg import Axis, rect, rule, step_of, svg, text, ticks
-from trainer.analysis.report.text import figure, plain, wrap
-from trainer.analysis.report.text import table as text_table
 from trainer.config.files import as_typed
 from trainer.core.kernel import Numbers
 from trainer.core.terms import TABLE
+from trainer.report.html import embed, page, paragraph, section, table
+from trainer.report.svg import Axis, rect, rule, step_of, svg, text, ticks
+from trainer.report.text import figure, plain, wrap
+from trainer.report.text import table as text_table
 
 WIDTH: Final = 640.0  # [px]
 EDGE: Final = 20.0  # [px] beside the hull

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer import __version__
-from trainer.analysis import characteristic, neutral, thrust
 from trainer.analysis.check import round_speeds
 from trainer.analysis.guide import findings, verdicts
 from trainer.analysis.guide.findings import Finding, StepRun
@@ -35,6 +34,7 @@ from trainer.analysis.guide.verdicts import (
     passes,
 )
 from trainer.analysis.manoeuvres.catalogue import Parameters, parameters
+from trainer.analysis.programs import characteristic, neutral, thrust
 from trainer.config.files import ConfigError, no_constant, quote
 from trainer.config.vessel import VesselFile
 from trainer.core.cache import core_digest

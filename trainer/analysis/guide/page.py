@@ -6,14 +6,16 @@ from typing import Any, Final
 
 from markupsafe import Markup
 
-from trainer.analysis import characteristic, neutral, thrust
 from trainer.analysis.guide.contents import REDUCED, Guide, GuideContents, Moved, Sheet, tally
 from trainer.analysis.guide.programme import SETS, Leg
 from trainer.analysis.guide.summary import format_entry, word
 from trainer.analysis.guide.trials import Compared, WavesCompared
-from trainer.analysis.guide.verdicts import BEYOND, WITHIN, Judgement
+from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, Judgement
 from trainer.analysis.manoeuvres.catalogue import format_parameters
-from trainer.analysis.report.html import (
+from trainer.analysis.manoeuvres.flight import Flight
+from trainer.analysis.programs import characteristic, neutral, thrust
+from trainer.report.columns import figure, in_degrees, page_unit
+from trainer.report.html import (
     Cell,
     charts,
     embed,
@@ -21,11 +23,29 @@ from trainer.analysis.report.html import (
     paragraph,
     section,
     table,
-    verdict,
 )
-from trainer.analysis.report.panels import draw, figure, legend, page_unit, panels
-from trainer.analysis.report.plots import Panel
+from trainer.report.panels import draw, legend
+from trainer.report.plots import TRACK, Curve, Panel
 
+VERDICT_STYLES: Final = {WITHIN: "good", BEYOND: "bad", SHOWN: "soft"}
+COLUMN_NAMES: Final = {
+    "t": "time",
+    "u": "speed ahead",
+    "v": "sway",
+    "w": "heave",
+    "p": "roll rate",
+    "q": "pitch rate",
+    "r": "yaw rate",
+    "x": "run north",
+    "y": "run east",
+    "z": "depth from the start",
+    "phi": "roll",
+    "theta": "pitch",
+    "psi": "heading",
+    "delta_r": "rudder",
+    "delta_s": "stern planes",
+    "delta_b": "bow planes",
+}
 MOVES_SHOWN = 300
 LEAST = 0.05  # [%] shown
 
@@ -52,7 +72,7 @@ def overview(guide: Guide) -> Markup:
             beyond = sheet.counted(equations, BEYOND)
             judged = beyond + sheet.counted(equations, WITHIN)
             share = f"{beyond} of {judged}" if judged else "-"
-            cells += [verdict(word(sheet.passed(equations))), share]
+            cells += [_verdict(word(sheet.passed(equations))), share]
         rows.append(tuple(cells))
     heads = ("manoeuvre", "modified set", "numbers beyond", "basic set", "numbers beyond")
     totals = [
@@ -282,7 +302,7 @@ def _leg(book: GuideContents, leg: Leg, sheet: Sheet) -> Markup:
         paragraph(f"{name}: {flight.lost}") for name, flight in flights.items() if flight.lost
     ]
     if flights:
-        pictures = panels(leg.manoeuvre.shows, flights)
+        pictures = _panels(leg.manoeuvre.shows, flights)
         parts.append(legend(pictures[0].curves) + charts(draw(panel) for panel in pictures))
     heads = ("quantity", "unit", "full", "modified", "difference", "", "basic", "difference", "")
     parts.append(table(heads, _rows(sheet)))
@@ -298,7 +318,7 @@ def _rows(sheet: Sheet) -> list[list[str | Cell]]:
     for quantity in dict.fromkeys(name for found in by_set.values() for name in found):
         present = [found[quantity] for found in by_set.values() if quantity in found]
         one = present[0]
-        cells: list[str | Cell] = [quantity, page_unit(one.unit), figure(one.full, one.unit)]
+        cells: list[str | Cell] = [quantity, in_degrees(one.unit), figure(one.full, one.unit)]
         for equations in REDUCED:
             cells += _judgement_cells(by_set[equations].get(quantity))
         rows.append(cells)
@@ -315,7 +335,7 @@ def _judgement_cells(one: Judgement | None) -> list[str | Cell]:
         told_difference = f"{100.0 * difference / abs(one.full):+.1f} %"
         if one.unit == "s":
             told_difference = f"{difference:+.1f} s"
-    return [figure(one.other, one.unit), told_difference, verdict(one.verdict)]
+    return [figure(one.other, one.unit), told_difference, _verdict(one.verdict)]
 
 
 # The page, and its JSON
@@ -362,3 +382,30 @@ def render(book: GuideContents, moves: tuple[Moved, ...] | None) -> str:
         ],
         data=embed(as_json(guide)),
     )
+
+
+def _panels(shows: tuple[str, ...], flights: dict[str, Flight]) -> tuple[Panel, ...]:
+    """Return the panels of a manoeuvre, a curve for each flight; depth from its start."""
+    found = []
+    for name in shows:
+        if name != TRACK and not all(flight.has(name) for flight in flights.values()):
+            continue
+        curves = []
+        for label, flight in flights.items():
+            factor, _ = page_unit(name)
+            if name == TRACK:
+                curves.append(Curve(label, flight.column("y"), flight.column("x")))
+                continue
+            values = flight.change(name) if name == "z" else flight.column(name)
+            curves.append(Curve(label, flight.t, factor * values))
+        if name == TRACK:
+            found.append(Panel(TRACK, "east [m]", "track, north [m]", tuple(curves)))
+        else:
+            title = f"{COLUMN_NAMES[name]} [{page_unit(name)[1]}]"
+            found.append(Panel(title, "time [s]", title, tuple(curves), downwards=name == "z"))
+    return tuple(found)
+
+
+def _verdict(name: str) -> Cell:
+    """Return a verdict as a cell: a word, and a colour beside it."""
+    return Cell(name, VERDICT_STYLES.get(name, "soft"))

@@ -11,7 +11,6 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.characteristic import vertical
 from trainer.analysis.check import round_speeds
 from trainer.analysis.manoeuvres.casualties import OutOfBalance
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre, within_limits
@@ -19,6 +18,7 @@ from trainer.analysis.manoeuvres.flight import CHOICES, Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot, TrimChange
+from trainer.analysis.programs.characteristic import vertical
 from trainer.analysis.workers import workers
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError

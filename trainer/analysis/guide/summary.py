@@ -2,7 +2,7 @@
 
 from trainer.analysis.guide.contents import REDUCED, Guide, Moved, Sheet, tally
 from trainer.analysis.guide.verdicts import BEYOND, WITHIN
-from trainer.analysis.report.text import INDENT, cut, plain, table, wrap
+from trainer.report.text import INDENT, cut, plain, table, wrap
 
 MOST = 20  # entries that moved
 

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from trainer.analysis.compare import compare
 from trainer.analysis.guide.programme import Flown, Task
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import PERCENT, Measure
+from trainer.analysis.programs.compare import compare
 from trainer.boat.assemble import Method
 from trainer.config.vessel import VesselFile
 from trainer.core.terms import COEFFICIENTS

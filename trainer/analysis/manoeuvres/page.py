@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from trainer.analysis.compare import unit
 from trainer.analysis.manoeuvres.catalogue import (
     Parameters,
     adjust,
@@ -18,13 +17,14 @@ from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly
 from trainer.analysis.manoeuvres.submarine import CALM, DEEP, Rig, Submarine
 from trainer.analysis.manoeuvres.turns import WAYS
 from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
-from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, figure, table, wrap
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.atomic_write import write_whole
+from trainer.report.columns import DEPTH_COLUMNS, page_unit
+from trainer.report.plots import Curve, Panel
+from trainer.report.text import INDENT, figure, table, wrap
 from trainer.units import KNOT
 
 TRACK = "track"
@@ -172,9 +172,12 @@ def panels(manoeuvre: Manoeuvre, flight: Flight) -> tuple[Panel, ...]:
             curves = tuple(_steady_turns(flight))
             found.append(Panel("steady turns", "delta_r [deg]", "r [deg/s]", curves))
         elif flight.has(name):
-            factor, of = unit(name)
+            factor, of = page_unit(name)
             curve = Curve(name, flight.t, factor * flight.column(name))
-            found.append(Panel(name, "time [s]", f"{name} [{of}]", (curve,), marks))
+            lower = name in DEPTH_COLUMNS
+            found.append(
+                Panel(name, "time [s]", f"{name} [{of}]", (curve,), marks, downwards=lower)
+            )
     return tuple(found)
 
 

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.manoeuvres.vehicle import Control, LostError, Watch
-from trainer.analysis.neutral import trim_at
+from trainer.analysis.programs.neutral import trim_at
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.depths import collapse_of, lowest_depth

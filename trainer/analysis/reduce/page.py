@@ -9,8 +9,8 @@ from trainer.analysis.guide.verdicts import Drop, account
 from trainer.analysis.reduce.reduction import Reduction
 from trainer.analysis.reduce.search import Need
 from trainer.analysis.reduce.verdict import PARTS, Checked
-from trainer.analysis.report.text import figure, plain, table, wrap
 from trainer.core.terms import EXTRA_TERMS
+from trainer.report.text import figure, plain, table, wrap
 
 SHOWN: Final = 40  # rows of the table of sensitivities
 COLUMNS: Final = (  # of it; JSON has all

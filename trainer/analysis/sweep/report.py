@@ -7,13 +7,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.analysis.report.plots import Bar, Bars, Curve, Panel
-from trainer.analysis.report.text import INDENT, table, wrap
 from trainer.analysis.sweep.draws import GRID
 from trainer.analysis.sweep.job import COVERED, DEVIATION, Opened, Output
 from trainer.analysis.sweep.results import TROUBLE
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
+from trainer.report.plots import Bar, Bars, Curve, Panel
+from trainer.report.text import INDENT, table, wrap
 
 PERCENTILES: Final = (5.0, 25.0, 50.0, 75.0, 95.0)
 TENTH: Final = 0.1  # of the members: what counts as a variable's low and high end

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.characteristic import HORIZONTAL, Means, dimensional, horizontal
+from trainer.analysis.programs.characteristic import HORIZONTAL, Means, dimensional, horizontal
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.model.nomoto import Levers, Nomoto, levers, nomoto, solve_motion, transfer

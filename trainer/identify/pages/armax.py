@@ -4,8 +4,6 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.analysis.report.plots import Screen
-from trainer.analysis.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.config.files import ConfigError
 from trainer.identify.fitting.armax import (
     FirstOrder,
@@ -21,6 +19,8 @@ from trainer.identify.pages.identify import correlation_panels, residual_table
 from trainer.identify.record.measurements import check_count, samples_of
 from trainer.identify.record.study import Study, observe
 from trainer.identify.sheet import screens_of
+from trainer.report.plots import Screen
+from trainer.report.text import INDENT, cut, figure, items, table, wrap
 
 MOST: Final = 4  # orders
 LAGS: Final = 10

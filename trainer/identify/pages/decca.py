@@ -5,9 +5,9 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, cut, figure, table
 from trainer.identify.record.decca_study import Sailed
+from trainer.report.plots import Curve, Panel
+from trainer.report.text import INDENT, cut, figure, table
 from trainer.units import KNOT
 
 SHOWN: Final = 20  # rows

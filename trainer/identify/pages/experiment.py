@@ -6,8 +6,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
 from trainer.identify.experiment import (
@@ -30,6 +28,8 @@ from trainer.identify.model.derived import QUANTITIES
 from trainer.identify.model.nomoto import Nomoto
 from trainer.identify.model.steering import steering
 from trainer.identify.record.measurements import Record
+from trainer.report.plots import Curve, Panel
+from trainer.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.units import KNOT
 
 UNMOVED: Final = ("T_imag",)  # shown with T1 if it is not zero

@@ -6,9 +6,6 @@ from typing import Final
 import numpy as np
 from markupsafe import Markup
 
-from trainer.analysis.report import html
-from trainer.analysis.report.plots import Curve, Panel, Screen
-from trainer.analysis.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.core.kernel import Numbers
 from trainer.identify import sheet as sheets
 from trainer.identify.fitting.nonlinear import predict
@@ -20,6 +17,9 @@ from trainer.identify.model.nomoto import scale
 from trainer.identify.pages.results import Direction, Estimate, Identified, Report
 from trainer.identify.pages.series import LARGE, Matrices, errors_of
 from trainer.identify.sheet import listing, screens_of
+from trainer.report import html
+from trainer.report.plots import Curve, Panel, Screen
+from trainer.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.units import DEGREE, KNOT
 
 BAND: Final = 1.96  # standard deviations

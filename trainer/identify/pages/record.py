@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from trainer.analysis.report.plots import Curve, Panel, Screen
-from trainer.analysis.report.text import INDENT, cut, items, table
 from trainer.core.kernel import Numbers
 from trainer.identify.model.models import UNITS
 from trainer.identify.record.measurements import CHANNELS, Record
 from trainer.identify.record.study import Observed, Study, observe, studies_of
 from trainer.identify.sheet import screens_of
+from trainer.report.plots import Curve, Panel, Screen
+from trainer.report.text import INDENT, cut, items, table
 from trainer.units import DEGREE, KNOT
 
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.characteristic import Means
+from trainer.analysis.programs.characteristic import Means
 from trainer.config.files import ConfigError
 from trainer.config.nomoto import SCHEMA, NomotoFile, nomoto_text_of
 from trainer.config.vessel import VesselFile, load_vessel

@@ -8,13 +8,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.nomoto import load_nomoto
 from trainer.config.vessel import VesselFile
 from trainer.identify.fitting.nonlinear import Bent
 from trainer.identify.model.nomoto import Levers, Nomoto
 from trainer.identify.model.steering import steering
+from trainer.report.plots import Curve, Panel
+from trainer.report.text import INDENT, cut, figure, table, wrap
 from trainer.units import DEGREE, KNOT
 
 HELMS: Final = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # [deg] of the table of steady turns

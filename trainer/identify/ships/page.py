@@ -7,8 +7,6 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.report.plots import Curve, Panel, Screen
-from trainer.analysis.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.core.kernel import Numbers
 from trainer.identify import sheet as sheets
 from trainer.identify.ships.records import Trial
@@ -23,6 +21,8 @@ from trainer.identify.ships.results import (
     Untold,
     residual_accelerations,
 )
+from trainer.report.plots import Curve, Panel, Screen
+from trainer.report.text import INDENT, cut, figure, items, table, wrap
 
 NOISE_UNITS: Final = {
     "u": "m/s",

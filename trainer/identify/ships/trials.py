@@ -10,8 +10,6 @@ import numpy as np
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.vehicle import Measure
 from trainer.analysis.manoeuvres.zigzag import ZigZag
-from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, cut, items, table, wrap
 from trainer.boat.ship.models import model_for
 from trainer.config.files import ConfigError
 from trainer.config.sensors import Sensors
@@ -24,6 +22,8 @@ from trainer.identify.ships.priors import GYRATION, prior_of
 from trainer.identify.ships.records import SHORTEST, Trial, with_steps
 from trainer.identify.ships.results import BOOK, Coefficient, Untold, coefficients_of, untold
 from trainer.identify.ships.vehicle import IdentifiedShip
+from trainer.report.plots import Curve, Panel
+from trainer.report.text import INDENT, cut, items, table, wrap
 from trainer.units import KNOT
 
 STEPS: Final = 2  # of the ship between samples, where no interval is said: a twentieth of L/U

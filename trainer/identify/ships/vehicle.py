@@ -14,7 +14,6 @@ from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.page import ManoeuvreOptions, Report, fly_vehicle, format_measure
 from trainer.analysis.manoeuvres.page import render as render_flight
 from trainer.analysis.manoeuvres.vehicle import Control, LostError, Measure
-from trainer.analysis.report.text import table, wrap
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
 from trainer.analysis.sweep.manoeuvres import ALONE, manoeuvre_of, speed_of
 from trainer.analysis.sweep.records import ManoeuvreTable
@@ -24,6 +23,7 @@ from trainer.boat.ship.motion import Moment, ShipMotion
 from trainer.config.files import ConfigError, Place
 from trainer.config.schema import read_record
 from trainer.config.ship import ShipFile, read_ship
+from trainer.report.text import table, wrap
 
 COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")
 OF_ROLL: Final = ("p", "phi")  # columns of a ship with roll, after them

@@ -1,0 +1,421 @@
+"""Recordings as they are listed, trainees and their history, names forgotten, marks changed."""
+
+import contextlib
+import json
+import sqlite3
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import platformdirs
+import pytest
+from helpers.recorded import record
+
+from trainer.config.files import ConfigError
+from trainer.debrief import history as history_module
+from trainer.debrief.changes import change_of, changes_path, read_changes, without
+from trainer.debrief.data import figures
+from trainer.debrief.history import (
+    Came,
+    Listed,
+    forget,
+    history,
+    history_lines,
+    latest,
+    list_lines,
+    listed,
+    marks_path,
+    of_trainee,
+    print_list,
+    recordings_in,
+)
+from trainer.debrief.page import Asked, change_marks, debrief_file, read_compared, render
+from trainer.io.paths import recordings_folder
+from trainer.io.recording.recording import Recording
+from trainer.session.header import names_of, plan_of, reading, trainees_of
+from trainer.session.options import RunOptions
+from trainer.session.run import run_boat
+
+pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
+ANN, MARKUP = "Ann O Briain", "<b>Bób</b> & sons"
+
+
+@pytest.fixture
+def kept(tmp_path: Path) -> Path:
+    """Return a recording of two trainees, of whom one is remarked upon."""
+    remarks = {
+        20.0: f"mark {ANN} was slow",
+        25.0: f"tell {ANN} has the helm",
+        30.0: f"mark {ANN}son was not",
+    }
+    names = (ANN, MARKUP)
+    path = tmp_path / "steady.trainer"
+    return record(path, "steady-course", remarks, "instructor at a desk", trainee=names)
+
+
+# Names
+
+
+def test_names_are_kept_in_the_header_and_shown_as_text(kept: Path) -> None:
+    debrief = read_compared(kept, Asked())
+    assert debrief.trainees == (ANN, MARKUP)
+    assert figures(debrief)["trainees"] == [ANN, MARKUP]
+    told = render(debrief)
+    assert "<b>Bób" not in told
+    assert "&lt;b&gt;Bób&lt;/b&gt; &amp; sons" in told
+
+
+@pytest.mark.parametrize("name", ["", "  ", "a\x1b[31mb", "x" * 61])
+def test_what_is_no_name_is_refused(name: str) -> None:
+    with pytest.raises(ConfigError, match=r"--trainee .*: a name has 1 to 60 printable characters"):
+        names_of([name])
+
+
+def test_a_name_is_kept_once_and_with_single_blanks() -> None:
+    assert names_of(["A.  Jones", "A. Jones", "7"]) == ["A. Jones", "7"]
+
+
+def test_a_run_that_is_not_recorded_keeps_no_names() -> None:
+    options = RunOptions(headless=True, duration=1.0, trainee=("Ann",))
+    with pytest.raises(ConfigError, match="--trainee: this run is not recorded"):
+        run_boat(options)
+
+
+def test_a_header_with_damaged_names_has_none() -> None:
+    assert trainees_of({"trainees": '["a", 3]'}) == ()
+    assert trainees_of({"trainees": "["}) == ()
+    assert trainees_of({}) == ()
+
+
+# The list
+
+
+def test_a_recording_is_judged_once_for_the_list(
+    kept: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = listed(kept)
+    assert first.came
+    assert (first.came.exercise, first.came.outcome) == ("Steering, first steps", "not reached")
+
+    def never(*_: object) -> None:
+        raise AssertionError("judged again")
+
+    monkeypatch.setattr(history_module, "gather", never)
+    assert listed(kept) == first
+    (line,) = list_lines([first])
+    assert line.startswith(first.started[:10])
+    assert f"not reached     0   {ANN}, {MARKUP}  steady.trainer" in line
+
+
+def test_a_changed_mark_and_another_state_are_judged_anew(kept: Path) -> None:
+    before = listed(kept)
+    change_marks(kept, Asked(), ["outcome: won, the repeater was off"], [])
+    after = listed(kept)
+    assert before.came
+    assert after.came
+    assert (before.came.outcome, after.came.outcome) == ("not reached", "won")
+    assert after.came.changed
+    assert "*" in next(list_lines([after]))
+    marks_path(kept).write_text('{"of": 3}')
+    assert listed(kept) == after
+
+
+def test_the_list_goes_on_past_what_cannot_be_read(
+    kept: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (kept.parent / "bad.trainer").write_text("no recording")
+    print_list([kept.parent], as_json=False)
+    told = capsys.readouterr().out
+    assert "bad.trainer: cannot be read" in told
+    assert "steady.trainer" in told
+    print_list([kept.parent], as_json=True)
+    figures_of = json.loads(capsys.readouterr().out)
+    assert {each["file"] for each in figures_of} == {
+        str(kept),
+        str(kept.parent / "bad.trainer"),
+    }
+
+
+LONG = Came(
+    "Periscope depth in a seaway, at night",
+    3,
+    "basic",
+    "not reached",
+    0.0,
+    counts=False,
+    changed=True,
+)
+LONG_FILE = Path("periscope-depth-20261121-222343.trainer")
+LONG_ROWS = (
+    Listed(LONG_FILE, "2026-11-21T22:23:43", ("Ann O Briain", "Ann O Briain the younger"), LONG),
+    Listed(LONG_FILE, "2026-11-21T22:23:43", ("Bob",), replace(LONG, counts=True)),
+    Listed(LONG_FILE, "2026-11-21T22:23:43", (), None, "it is damaged: " + "a page is cut " * 9),
+    Listed(Path("a.trainer"), "2026-11-21T22:23:43", ("A\x1b",), replace(LONG, exercise="Mine")),
+)
+
+
+@pytest.mark.parametrize("columns", [60, 79, 80, 100])
+def test_a_list_fits_the_terminal_and_shortens_only_what_is_too_long(columns: int) -> None:
+    lines = list(list_lines(LONG_ROWS, columns))
+
+    assert max(map(len, lines)) <= columns
+    assert lines[0].count("…") >= 2
+    assert "not reached     0*" in lines[0]
+    assert "  Bob  p" in lines[1]
+    assert " ".join(" ".join(lines).split()).count("a page is cut") == 9
+    assert "Mine " in lines[-1]
+
+
+def test_a_list_for_a_program_shortens_nothing() -> None:
+    assert "…" not in "".join(list_lines(LONG_ROWS))
+
+
+def test_a_terminal_gets_a_list_of_its_own_width(
+    kept: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    named = kept.rename(kept.with_name(f"{'long-name-' * 6}.trainer"))
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    monkeypatch.setenv("COLUMNS", "79")
+    print_list([named.parent], as_json=False)
+    (line,) = capsys.readouterr().out.splitlines()
+    assert len(line) <= 79
+    assert "long-" in line
+    assert line.endswith("…")
+
+
+def test_a_list_sends_no_control_characters(kept: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with contextlib.closing(sqlite3.connect(kept)) as file, file:
+        names = json.dumps(["\x07\x1b[31mred"])
+        file.execute("UPDATE header SET value = ? WHERE key = 'trainees'", (names,))
+    print_list([kept.parent], as_json=False)
+    told = capsys.readouterr().out
+    assert "\x07" not in told
+    assert "\\x1b[31mred" in told
+
+
+def test_without_recordings_the_next_step_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    print_list([], as_json=False)
+    assert "trainer run EXERCISE makes one" in capsys.readouterr().out
+    with pytest.raises(ConfigError, match=r"--last: no recording is in .*: trainer run EXERCISE"):
+        latest()
+    with pytest.raises(ConfigError, match="nowhere"):
+        list(recordings_in([tmp_path / "nowhere"]))
+
+
+def test_the_last_recording_is_that_written_last(
+    kept: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    folder = recordings_folder()
+    folder.mkdir(parents=True)
+    for name in ("b", "a"):
+        (folder / f"{name}.trainer").write_bytes(kept.read_bytes())
+    assert latest().name == "a.trainer"
+
+
+def test_recordings_are_where_the_system_keeps_them_and_stay_where_they_were(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ours, mac = "submarine-trainer", tmp_path / "Library"
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "named"))
+    assert recordings_folder() == tmp_path / "named" / ours / "recordings"
+    monkeypatch.delenv("XDG_STATE_HOME")
+    usual = tmp_path / ".local" / "state" / ours / "recordings"
+    if sys.platform == "linux":
+        assert recordings_folder() == usual
+
+    monkeypatch.setattr(platformdirs, "user_state_path", lambda name, **_: mac / name)
+    assert recordings_folder() == mac / ours / "recordings"
+    usual.mkdir(parents=True)
+    assert recordings_folder() == usual
+
+
+# History
+
+
+def run_of(total: float | None, seed: int = 1, width: str = "qualified", **of: object) -> Listed:
+    came = Came("Depth", seed, width, "won", total, counts=True, changed=False)
+    return Listed(Path("x.trainer"), "", (ANN,), replace(came, **of))  # type: ignore[arg-type]
+
+
+def test_the_history_has_a_line_for_each_exercise_and_width_and_the_mean_of_the_last_three() -> (
+    None
+):
+    newest_first = [
+        run_of(90.0, seed=3),
+        run_of(99.0, counts=False),
+        run_of(60.0, width="basic"),
+        run_of(80.0, seed=2),
+        run_of(40.0),
+        run_of(0.0),
+    ]
+    basic, qualified = history(newest_first)
+    assert (qualified.attempts, qualified.seeds, qualified.mean) == (5, (1, 2, 3), 70.0)
+    assert (basic.width, basic.attempts, basic.mean) == ("basic", 1, 60.0)
+    assert len(list(history_lines([basic, qualified]))) == 3
+
+
+def test_a_trainee_is_found_however_the_name_is_written_and_else_the_nearest() -> None:
+    found = [run_of(90.0)]
+    assert of_trainee(found, "  ann  o BRIAIN ") == found
+    with pytest.raises(ConfigError, match=f"nearest is {ANN}"):
+        of_trainee(found, "Ann O Brian")
+
+
+# Forgotten
+
+
+def test_a_forgotten_name_is_nowhere_any_more(kept: Path) -> None:
+    change_marks(kept, Asked(), [f"outcome: won, {ANN} steered well"], [])
+    debrief_file(kept, None, None, Asked(), as_json=False)
+    listed(kept)
+    before = read_compared(kept, Asked()).trajectory
+    told = list(forget(ANN.upper(), [kept]))
+
+    assert [Path(line.split(":")[0]).name for line in told] == ["steady.trainer", "steady.html"]
+    for path in kept.parent.iterdir():
+        assert ANN.encode() not in path.read_bytes().replace(ANN.encode() + b"son", b""), path
+    debrief = read_compared(kept, Asked())
+    assert debrief.trainees == (MARKUP,)
+    assert [each.text for each in debrief.of_kind("mark")] == [
+        "(name removed) was slow",
+        f"{ANN}son was not",
+    ]
+    assert (debrief.trajectory.columns["z"] == before.columns["z"]).all()
+    assert read_changes(kept)[0].reason == "(name removed) steered well"
+
+
+def test_a_name_that_is_nowhere_or_in_use_is_told(kept: Path) -> None:
+    with pytest.raises(ConfigError, match=r"no recording has that name; nearest is Ann"):
+        list(forget("Ann Briain", [kept]))
+    recording = Recording.reopen(kept)
+    with pytest.raises(ConfigError, match=r"the name is still in it: .*is in use"):
+        list(forget(ANN, [kept]))
+    recording.close()
+
+
+# Marks changed by the instructor
+
+
+def test_a_struck_measure_and_a_weight_change_the_total_and_both_are_shown(tmp_path: Path) -> None:
+    path = record(tmp_path / "turn.trainer", "steady-course", {62.0: "rudder right 3"})
+    plain = read_compared(path, Asked())
+    names = [each.name for each in plain.card.scores]
+    texts = [f"{names[0]}: strike, a squall", f"{names[1].upper()}:  weight  2 , it matters, here"]
+    change_marks(path, Asked(), texts, [])
+    debrief = read_compared(path, Asked())
+
+    assert [str(each) for each in debrief.changes] == [
+        f"{names[0]}: strike (a squall)",
+        f"{names[1]}: weight 2 (it matters, here)",
+    ]
+    assert debrief.changed
+    kept_names = [each.name for each in debrief.changed.scores]
+    assert kept_names == names[1:]
+    assert debrief.changed.scores[0].rule.weight == 2.0
+    assert debrief.card == plain.card
+    told = render(debrief)
+    assert "Changed by the instructor; before: not reached" in told
+    assert f"<td>{names[0]}</td><td>weight 1</td><td>strike</td><td>a squall</td>" in told
+
+
+def test_an_outcome_and_a_width_can_be_changed_and_taken_back(kept: Path) -> None:
+    change_marks(kept, Asked(), ["outcome: won, seen by me", "width: basic, a beginner"], [])
+    debrief = read_compared(kept, Asked())
+    assert debrief.final.verdict
+    assert debrief.final.verdict.outcome == "won"
+    assert debrief.final.scores[0].rule.score.zero != debrief.card.scores[0].rule.score.zero
+    change_marks(kept, Asked(), [], ["Outcome"])
+    assert [each.name for each in read_changes(kept)] == ["width"]
+    change_marks(kept, Asked(), [], ["all"])
+    assert not changes_path(kept).exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("outcom: won, x", "nothing of that name; nearest is outcome; there are: "),
+        ("outcome: wonn, x", 'no outcome "wonn"; nearest is won; say won, lost, not reached'),
+        ("width: wide, x", 'no width "wide"; say qualified, basic'),
+        ("outcome: won", "a reason is needed"),
+        ("nothing", 'say it as "NAME: WHAT, REASON"'),
+        ("Quiet rudder: weight much, x", 'say "weight" and a number of 0 to 1000, or "strike"'),
+        ("Quiet rudder: weight -1, x", "a number of 0 to 1000"),
+        ("Quiet rudder: wait 1, x", "say weight, or strike"),
+        ("outcome: won, a\x1bb", "must be one line of text"),
+    ],
+)
+def test_a_change_that_is_none_is_told_with_what_it_should_be(
+    kept: Path, text: str, told: str
+) -> None:
+    with pytest.raises(ConfigError) as wrong:
+        change_marks(kept, Asked(), ["outcome: lost, first", text], [])
+    assert told in str(wrong.value)
+    assert not changes_path(kept).exists()
+
+
+def test_nothing_changed_cannot_be_taken_back(kept: Path) -> None:
+    with reading(kept) as recording:
+        plan = plan_of(recording.header())
+    change = change_of("outcome: won, well done", 1, plan)
+    with pytest.raises(ConfigError, match="nearest is outcome"):
+        without([change], "outcomes", 1)
+    with pytest.raises(ConfigError, match="nothing has been changed in this run"):
+        without([change], "outcome", 2)
+
+
+def test_a_branch_that_is_none_is_not_changed(kept: Path) -> None:
+    with pytest.raises(ConfigError, match="--branch 7: there are branches 1 only"):
+        change_marks(kept, Asked(7), ["outcome: won, well done"], [])
+    assert not changes_path(kept).exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "what"), [("outcome", "wonn"), ("width", "wide"), ("Quiet rudder", "weight x")]
+)
+def test_a_change_written_by_hand_is_checked(kept: Path, name: str, what: str) -> None:
+    change_marks(kept, Asked(), ["outcome: won, well done"], [])
+    path = changes_path(kept)
+    text = path.read_text().replace('"outcome"', f'"{name}"').replace('"won"', f'"{what}"')
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=rf"steady\.changes\.toml: {name}: {what}: "):
+        read_compared(kept, Asked())
+
+
+def test_kept_marks_of_another_kind_are_made_anew(kept: Path) -> None:
+    first = listed(kept)
+    path = marks_path(kept)
+    path.write_text(path.read_text().replace('"total": 0.0', '"total": "all"'))
+    assert listed(kept) == first
+
+
+def test_a_damaged_file_of_changes_is_told(kept: Path) -> None:
+    changes_path(kept).write_text('schema = "changes/1"\n[[changes]]\nbranch = 1\n')
+    with pytest.raises(ConfigError, match=r"steady\.changes\.toml: .*lacks name"):
+        read_compared(kept, Asked())
+
+
+def test_the_commands_refuse_what_makes_no_sense(tmp_path: Path) -> None:
+    def ran(*words: str) -> tuple[int, str]:
+        command = [sys.executable, "-c", "from trainer.cli.main import main; main()", *words]
+        done = subprocess.run(
+            command,
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=tmp_path,
+            env={"PATH": "", "XDG_STATE_HOME": str(tmp_path), "PYTHONPATH": ":".join(sys.path)},
+        )
+        return done.returncode, done.stderr
+
+    folder = tmp_path / "submarine-trainer" / "recordings"
+    todo = "trainer run EXERCISE makes one, or name a FILE"
+    told = f"trainer: --last: no recording is in {folder}: {todo}\n"
+    assert ran("debrief", "--last") == (2, told)
+    assert ran("debrief")[0] == 2
+    assert "say one" in ran("recordings", "--trainee", "a", "--forget", "b")[1]

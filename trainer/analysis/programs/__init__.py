@@ -1,0 +1,1 @@
+"""The programs of 1969: a boat's numbers, and two runs of it compared."""

@@ -1,0 +1,295 @@
+"""Two runs compared by the percent change of change: programs ZC590 and ZC691.
+
+[ASSES] VI: with D the value at a reference point less the value at t = 0 of the same run, percent =
+100 (D_full - D_reduced)/D_full, and 5 % is allowed. Reference points are the extreme of a variable,
+its steady value, or, where it has neither, the end of the time looked at (120 s). Extremes are
+compared each at its own time: phase is not judged.
+
+A schedule sees an event, such as the pitch at which planes are reversed, at the start of a step.
+Two runs may see it a step apart, whatever their equations; what that alone may be worth is no
+failure. An estimate: as much as the variable changes in that time at its fastest.
+
+Two runs compared, as a page for a terminal and as a plot.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.series import Series
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.report.columns import DEPTH_COLUMNS, page_unit
+from trainer.report.plots import Curve, Panel
+from trainer.report.text import INDENT, WIDTH, cut, table, wrap
+
+UNTIL: Final = 120.0  # [s]
+ALLOWED: Final = 5.0  # [%]
+STEADY_SHARE: Final = 0.1  # of the time: its last part tells whether a value is steady,
+STEADY_SPREAD: Final = 0.02  # [-] of D: which it is with no more change than this
+MINOR: Final = 0.05  # [-] of the largest change: a change below it is shown and not judged
+SURFACES: Final = ("delta_r", "delta_s", "delta_b")
+STILL: Final = 1e-9  # [rad] a step: a surface that moves less stands still
+STILL_SHARE: Final = 0.1  # [-] of the steps, in which one that is thrown over stands still
+ROUNDING: Final = 1e-6  # [s]
+# What is compared unless asked otherwise, and the change [SI, rad] that instruments begin to show.
+VARIABLES: Final = {
+    "u": 0.05,
+    "z": 0.1,
+    "theta": math.radians(0.1),
+    "phi": math.radians(0.1),
+    "psi": math.radians(0.1),
+    "r": math.radians(0.01),
+}
+
+
+@dataclass(frozen=True)
+class Point:
+    """One variable at one reference point of both runs; SI and radians."""
+
+    variable: str
+    point: str  # "extreme", "steady" or "at the end"
+    t_full: float  # [s]
+    t_reduced: float  # [s]
+    change_full: float  # value less that at t = 0
+    change_reduced: float
+    percent: float | None  # change of change; None: the full run has no change
+    judged: bool
+    passed: bool  # or not judged
+    event_worth: float = 0.0  # allowed besides the percent, for an event a step apart
+    by_event: bool = False  # whether it passes by that alone
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All that ``trainer compare`` says about two runs."""
+
+    full: str
+    reduced: str
+    until_s: float
+    allowed_percent: float
+    unchanged: tuple[str, ...]  # variables that the full run does not change
+    points: tuple[Point, ...]
+    passed: bool
+    event_s: float = 0.0  # by how much the first event lies apart, at most a step; 0: by none
+
+
+def percent_change(change_full: float, change_reduced: float) -> float:
+    """Return 100 (D_full - D_reduced)/D_full; the full change must not be zero."""
+    return 100.0 * (change_full - change_reduced) / change_full
+
+
+def compare(
+    full: Series,
+    reduced: Series,
+    variables: Sequence[str],
+    until: float = UNTIL,
+    allowed: float = ALLOWED,
+    event: float = 0.0,
+) -> Comparison:
+    """Return the percent change of change of ``variables`` up to ``until`` [s] from the start.
+
+    ``event`` [s] is how far apart the runs see an event, by ``event_apart``. Without ``variables``
+    all of VARIABLES that both runs have. ConfigError if a run lacks one, or both runs have none.
+    """
+    names = list(variables) or [
+        name for name in VARIABLES if name in full.columns and name in reduced.columns
+    ]
+    if not names:
+        known = ", ".join(VARIABLES)
+        raise ConfigError(f"{full.path} and {reduced.path} share no column of {known}")
+    end = min(until, *(float(run.t[-1] - run.t[0]) for run in (full, reduced)))
+    points: list[Point] = []
+    unchanged = []
+    for name in names:
+        found = _points(name, (changes(full, name, end), changes(reduced, name, end)), allowed)
+        if event:
+            worth = event * _fastest(changes(full, name, end))
+            found = [_excuse(point, allowed, worth) for point in found]
+        points += found
+        if not found:
+            unchanged.append(name)
+    return Comparison(
+        full=str(full.path),
+        reduced=str(reduced.path),
+        until_s=end,
+        allowed_percent=allowed,
+        unchanged=tuple(unchanged),
+        points=tuple(points),
+        passed=all(point.passed for point in points),
+        event_s=event,
+    )
+
+
+def _excuse(point: Point, allowed: float, worth: float) -> Point:
+    """Return a point that passes too if what is beyond is no more than an event is ``worth``."""
+    if not point.judged:
+        return point
+    most = abs(point.change_full) * allowed / 100.0 + worth
+    enough = abs(point.change_full - point.change_reduced) <= most
+    by_event = enough and not point.passed
+    return replace(point, event_worth=worth, passed=point.passed or by_event, by_event=by_event)
+
+
+def _fastest(run: Numbers) -> float:
+    """Return the largest rate of change [1/s]."""
+    return float(abs(np.diff(run[1]) / np.diff(run[0])).max())
+
+
+def event_apart(full: Series, reduced: Series) -> float:
+    """Return the time [s] between two runs at the first event that they see apart.
+
+    Events are the times at which a surface that is thrown over begins to move. 0 where there is no
+    such event, or it lies further apart than the longer of the steps: then the runs differ.
+    """
+    step = max(float(np.median(np.diff(run.t))) for run in (full, reduced))
+    found = [0.0]
+    for name in SURFACES:
+        if name not in full.columns or name not in reduced.columns:
+            continue
+        pairs = zip(_throws(full, name), _throws(reduced, name), strict=False)
+        apart = [(abs(a[0] - b[0]), a[1] == b[1]) for a, b in pairs]
+        gap, alike = next((one for one in apart if one[0] > ROUNDING), (0.0, True))
+        if alike and gap <= step + ROUNDING:
+            found.append(gap)
+    return max(found)
+
+
+def _throws(run: Series, name: str) -> list[tuple[float, float]]:
+    """Return time [s] from the start, and sign, of each move that a surface begins.
+
+    None of a surface that hardly ever stands still: an autopilot moves it.
+    """
+    moves = np.diff(run.column(name))
+    signs = np.where(abs(moves) < STILL, 0.0, np.sign(moves))
+    if np.mean(signs == 0.0) < STILL_SHARE:
+        return []
+    before = np.concatenate(([0.0], signs[:-1]))
+    begins = np.flatnonzero((signs != 0.0) & (signs != before))
+    times = (run.t - run.t[0])[begins]
+    return list(zip(times.tolist(), signs[begins].tolist(), strict=True))
+
+
+def changes(run: Series, name: str, end: float) -> Numbers:
+    """Return times from the start [s] and the change since, (2, n), to ``end`` [s]."""
+    t, values = run.t - run.t[0], run.column(name)
+    inside = t < end
+    last = np.interp(end, t, values)
+    return np.array([np.append(t[inside], end), np.append(values[inside], last) - values[0]])
+
+
+def _points(name: str, runs: tuple[Numbers, Numbers], allowed: float) -> list[Point]:
+    """Return the reference points of one variable, none if the full run does not change it."""
+    full, reduced = runs
+    largest = float(abs(full[1]).max())
+    if largest <= VARIABLES.get(name, 0.0):
+        return []
+    found = []
+    place = int(np.argmax(abs(full[1])))
+    is_extreme = 0 < place < full.shape[1] - 1
+    if is_extreme:
+        # the same sense in the reduced run, whenever that is
+        there = int(np.argmax(math.copysign(1.0, full[1, place]) * reduced[1]))
+        found.append(_point(name, "extreme", full[:, place], reduced[:, there], allowed))
+    is_steady = _steady(full)
+    label = "steady" if is_steady else "at the end"
+    ending = _point(name, label, full[:, -1], reduced[:, -1], allowed)
+    if abs(ending.change_full) < MINOR * largest or (is_extreme and not is_steady):
+        ending = replace(ending, judged=False, passed=True)
+    return [*found, ending]
+
+
+def _steady(run: Numbers) -> bool:
+    """Return whether the last part of a run changes by little of its change."""
+    last = run[1, run[0] >= (1.0 - STEADY_SHARE) * run[0, -1]]
+    return bool(np.ptp(last) <= STEADY_SPREAD * abs(run[1, -1]))
+
+
+def _point(name: str, point: str, full: Numbers, reduced: Numbers, allowed: float) -> Point:
+    """Return both runs at one reference point, each (time, change), judged."""
+    by_full, by_reduced = float(full[1]), float(reduced[1])
+    percent = percent_change(by_full, by_reduced) if by_full != 0.0 else None
+    return Point(
+        variable=name,
+        point=point,
+        t_full=float(full[0]),
+        t_reduced=float(reduced[0]),
+        change_full=by_full,
+        change_reduced=by_reduced,
+        percent=percent,
+        judged=True,
+        passed=percent is not None and abs(percent) <= allowed,
+    )
+
+
+HEADS: Final = ("", "", "t full\n[s]", "t other\n[s]", "full", "other", "percent", "")
+
+
+def _row(point: Point) -> tuple[str, ...]:
+    """Return one point as a line of the table."""
+    factor, name = page_unit(point.variable)
+    verdict = "BEYOND" if not point.passed else ("within" if point.judged else "")
+    verdict = "a step" if point.by_event else verdict
+    return (
+        f"{point.variable} [{name}]",
+        point.point,
+        f"{point.t_full:.1f}",
+        f"{point.t_reduced:.1f}",
+        f"{factor * point.change_full:+.4g}",
+        f"{factor * point.change_reduced:+.4g}",
+        "-" if point.percent is None else f"{point.percent:+.2f}",
+        verdict,
+    )
+
+
+def render(report: Comparison) -> str:
+    """Return the report as text."""
+    room = WIDTH - len("  other ")
+    lines = [
+        "PERCENT CHANGE OF CHANGE (ZC590, ZC691)",
+        f"{INDENT}full  {cut(report.full, room)}",
+        f"{INDENT}other {cut(report.reduced, room)}",
+        f"{INDENT}changes since the start, over {report.until_s:g} s; 100 (full - other)/full",
+    ]
+    if report.points:
+        lines += ["", *table(HEADS, [_row(point) for point in report.points])]
+    if report.unchanged:
+        names = ", ".join(report.unchanged)
+        lines += wrap(f"too little change in the full run to compare: {names}")
+    if report.event_s:
+        lines += wrap(
+            f"an event is {report.event_s:g} s apart in the two runs. Times of events are known to "
+            "a step, so what this alone may be worth is no failure: a step"
+        )
+    judged = [point for point in report.points if point.judged]
+    beyond = sum(not point.passed for point in judged)
+    verdict = f"{beyond} of {len(judged)} beyond {report.allowed_percent:g} %."
+    if not beyond:
+        besides = sum(point.by_event for point in judged)
+        verdict = f"All of {len(judged)} within {report.allowed_percent:g} %"
+        verdict += f", {besides} of them but for a step." if besides else "."
+    return "\n".join([*lines, "", verdict])
+
+
+def panels(report: Comparison, full: Series, reduced: Series) -> tuple[Panel, ...]:
+    """Return the changes of both runs over time, extremes marked."""
+    found = []
+    for name in dict.fromkeys(point.variable for point in report.points):
+        factor, unit_name = page_unit(name)
+        curves = []
+        for label, run in (("full", full), ("other", reduced)):
+            t, change = changes(run, name, report.until_s)
+            curves.append(Curve(label, t, factor * change))
+        spots = [point for point in report.points if point.variable == name and point.judged]
+        times = [time for point in spots for time in (point.t_full, point.t_reduced)]
+        heights = [by for point in spots for by in (point.change_full, point.change_reduced)]
+        if spots:
+            marks = Curve("compared", np.array(times), factor * np.array(heights), points=True)
+            curves.append(marks)
+        label = f"change of {name} [{unit_name}]"
+        x, lower = "time from the start [s]", name in DEPTH_COLUMNS
+        found.append(Panel(name, x, label, tuple(curves), downwards=lower))
+    return tuple(found)

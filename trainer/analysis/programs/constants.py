@@ -1,0 +1,376 @@
+"""Every constant of a boat as the core gets it. These are the listings of EB920 and EC790.
+
+A constant is named by its symbol in the core's record, in SI units and radians. It comes from a key
+of the vessel file, or from the defaults file, or is derived from other constants.
+"""
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from trainer.boat.assemble import Method, fit_out
+from trainer.config.vessel import VesselFile
+from trainer.core.ballast.tanks import BANKS, BLOWN, PUMPS, TANKS
+from trainer.core.kernel import Record
+from trainer.core.terms import EXTRA_TERMS, KEPT, TABLE
+from trainer.core.vessel import GAINS, INVERTED
+from trainer.report.text import INDENT, cut, table, wrap
+
+FILE, DEFAULT, DERIVED, ABSENT = "file", "default", "derived", "absent"
+# of rho/2 L^power, whatever the term multiplies, since angles have no unit
+DIMENSIONS: Final = {2: "kg/m", 3: "kg", 4: "kg m", 5: "kg m2"}
+INVERSE: Final = {3: "1/m2", 4: "1/m", 5: "-"}  # the same over a moment of inertia
+AXES: Final = "KMN"  # whose compact constants are over a moment of inertia
+BLOCKS: Final = ("whole", "limit", "added")  # other names of numbers that are listed already
+SURFACES: Final = ("rudder", "stern planes", "bow planes")
+
+
+class Source(NamedTuple):
+    """Unit of a constant, and the key that it comes from. "= KEYS": derived from those."""
+
+    unit: str
+    key: str
+
+
+def _sources(unit: str, **keys: str) -> dict[str, Source]:
+    """Return sources of one unit by symbol."""
+    return {symbol: Source(unit, key) for symbol, key in keys.items()}
+
+
+MASS_UNITS: Final = {**dict.fromkeys("123", "kg"), **dict.fromkeys("456", "kg m2")}
+HULL: Final = {
+    **_sources("kg/m3", rho="fluid.rho"),
+    **_sources("m/s2", g="fluid.g"),
+    **_sources("m", ell="vessel.length"),
+    **_sources("kg", mass="vessel.mass"),
+    **_sources("N", weight="vessel.weight", buoyancy="vessel.buoyancy"),
+    **_sources("m", x_g="vessel.cg", y_g="vessel.cg", z_g="vessel.cg"),
+    **_sources("m", x_b="vessel.cb", y_b="vessel.cb", z_b="vessel.cb"),
+    **_sources("kg m2", I_x="vessel.Ix", I_y="vessel.Iy", I_z="vessel.Iz"),
+    **_sources("kg m2", I_xy="vessel.Ixy", I_yz="vessel.Iyz", I_xz="vessel.Ixz"),
+}
+CONTROL: Final = {
+    **_sources(
+        "rad",
+        limit_r="control_surfaces.rudder_limit_deg",
+        limit_s="control_surfaces.stern_plane_limit_deg",
+        limit_b="control_surfaces.bow_plane_limit_deg",
+    ),
+    **_sources("rad/s", surface_rate="control_surfaces.rate_deg_s"),
+    **_sources("s", surface_lag="control_surfaces.time_constant_s"),
+    **_sources("-", x_tail="control_surfaces.tail"),
+    **_sources("s", telegraph_dead_time="propulsion.dead_time_s"),
+    **_sources("s", propulsion_lag="propulsion.time_constant_s"),
+    **_sources(
+        "m/s", u_c_ahead="propulsion.max_ordered_speed_kn", u_c_astern="propulsion.bells_kn"
+    ),
+    **_sources("1/s", speed_integral="autopilot.speed_integral"),
+    **_sources("rad/s", turning_rate="autopilot.turning_rate_deg_s"),
+    **_sources("-", gain_count="autopilot.speed_kn"),
+    **_sources("m/s", gain_speed="autopilot.speed_kn"),
+    **_sources("SI, rad", gain="autopilot"),
+}
+SURFACE: Final = {
+    **_sources(
+        "m", diameter="= vessel.diameter, beam", x_sail="= vessel.sail_from_nose, cg_from_nose"
+    ),
+    **_sources("m", z_sail="= vessel.cg_below_sail_top", z_deck="= vessel.height_to_deck"),
+    **_sources("-", surface_depths="free_surface.depth_m", surface_speeds="free_surface.rows"),
+    **_sources("m", surface_depth="free_surface.depth_m"),
+    **_sources("m/s", surface_speed="free_surface.rows"),
+    **_sources("kg/m", surface_Z="free_surface.rows"),
+    **_sources("kg", surface_M="free_surface.rows"),
+}
+BALLAST: Final = {
+    **_sources("-", fitted="ballast"),
+    **_sources("kg", capacity="ballast", start="ballast"),
+    **_sources("m", x="ballast", y="ballast", z="ballast", height="ballast.blown"),
+    **_sources("m2", port="ballast.blown", vent_area="ballast.blown"),
+    **_sources("m2", blow_area="ballast.blown", emergency_area="ballast.blown"),
+    **_sources("m3", bank_volume="ballast.banks"),
+    **_sources("kg", bank_full="= ballast.banks, ballast.air"),
+    **_sources("J/kg", gas="= ballast.air.temperature_c"),
+    **_sources("s/m", choked="= ballast.air.temperature_c"),
+    **_sources("kg/s", compressor_rate="ballast.air.compressor_kg_s", pump_rate="ballast.pumps"),
+    **_sources("m", shutoff_depth="ballast.pumps.shutoff_depth_m"),
+    **_sources("rad/s", hover_frequency="ballast.hover.frequency_rad_s"),
+    **_sources("m/s", hover_rate="ballast.hover.depth_rate_m_s"),
+    **_sources("kg/m", compressibility="ballast.sea.compressibility_kg_m"),
+    **_sources("m", reference_depth="ballast.sea.reference_depth_m"),
+    **_sources("-", layers="ballast.sea.layer_depth_m"),
+    **_sources("m", layer_depth="ballast.sea.layer_depth_m"),
+    **_sources("kg/m3", layer_density="ballast.sea.layer_kg_m3"),
+    **_sources("m", hull_diameter="= vessel", hull_axis="= vessel", station_x="= vessel.length"),
+    **_sources("-", station_share="= program's estimate"),
+}
+ENVELOPE: Final = {
+    **_sources("-", tested="envelope.tested_deg"),
+    **_sources("-", handover_from="envelope.handover_deg", handover_to="envelope.handover_deg"),
+    **_sources("m2", cross_arm="= vessel.length"),
+    **_sources("1/m", stiffness="= coefficients"),
+    **{f"m{i}{i}": Source(unit, "= coefficients") for i, unit in MASS_UNITS.items()},
+    **_sources("kg m", m26="= coefficients", m35="= coefficients", m24="= coefficients"),
+    **_sources("kg m2", m46="= coefficients"),
+    **_sources("kg/m, kg, kg m", lateral="= coefficients", vertical="= coefficients"),
+    **_sources("kg m", roll_damping="= coefficients"),
+    **_sources("kg m2", roll_drag="= coefficients"),
+    **_sources("kg/m", crossflow_Y="envelope.crossflow_y", crossflow_Z="envelope.crossflow_z"),
+    **_sources("m", tail_x="envelope.tail_place"),
+    **_sources("kg/m", tail_Y="envelope.tail_y", tail_Z="envelope.tail_z"),
+    **_sources("m", strip_x="envelope.sail_place", strip_z="envelope.sail_place"),
+    **_sources("kg/m", strip_Y="envelope.sail_y"),
+    **_sources("kg", sail_mass="envelope.sail_added_mass"),
+    **_sources("m", sail_height="= vessel"),
+    **_sources("-", astern_effect="envelope.plane_effect_astern"),
+    **_sources("rad", stall_ahead="envelope.stall_deg", stall_astern="envelope.stall_astern_deg"),
+    **_sources("-", stall_slope="envelope.stall_slope"),
+    **_sources("m", stall_arm="= coefficients"),
+    **_sources("kg/m", plane_drag="= coefficients", thrust_astern="= propulsion.sets"),
+    **_sources("m", surface_line="= vessel"),
+    **_sources("-", surface_damping="envelope.surface_damping"),
+    **_sources("rad/s", surface_mode="= vessel, coefficients"),
+    **_sources("N s6/m6", wave_drag="= vessel.length"),
+    **_sources("1/s2", torque_limit="= propulsion.torque_limit_n_m"),
+    **_sources("-", torque="= propulsion.KQ"),
+    **_sources("1/m", turns="propulsion.rps_per_mps"),
+    **_sources("m", screw="propulsion.propeller_diameter"),
+    **_sources("-", strips="wave_strips"),
+}
+GROUPS: Final[Mapping[str, Mapping[str, Source]]] = {
+    "SIZE, MASS AND BALANCE": HULL,
+    "RUDDER, PLANES, ENGINE AND AUTOPILOT": CONTROL,
+    "THE BOAT NEAR THE SURFACE": SURFACE,
+    "TANKS, AIR AND PUMPS": BALLAST,
+    "BEYOND THE RANGE OF THE COEFFICIENTS, AND IN WAVES": ENVELOPE,
+}
+# what the places of an array are, where they have names
+PLACES: Final[Mapping[str, tuple[str, ...]]] = {
+    **dict.fromkeys(("capacity", "x", "y", "z", "start"), TANKS),
+    **dict.fromkeys(("height", "port", "vent_area", "blow_area", "emergency_area"), BLOWN),
+    **dict.fromkeys(("bank_volume", "bank_full"), BANKS),
+    "pump_rate": PUMPS,
+    "gain": tuple(GAINS),
+    **dict.fromkeys(
+        ("stall_ahead", "stall_slope", "stall_astern", "stall_arm", "plane_drag"), SURFACES
+    ),
+}
+
+# which constants tell how many rows and columns of an array are in use
+COUNTS: Final[Mapping[str, tuple[str, str]]] = {
+    "gain_speed": ("", "gain_count"),
+    "gain": ("gain_count", ""),
+    "surface_depth": ("", "surface_depths"),
+    "surface_speed": ("", "surface_speeds"),
+    **dict.fromkeys(("surface_Z", "surface_M"), ("surface_speeds", "surface_depths")),
+    **dict.fromkeys(("layer_depth", "layer_density"), ("", "layers")),
+}
+
+
+@dataclass(frozen=True)
+class Constant:
+    """One constant of a record, or an array of them in its rows."""
+
+    symbol: str
+    unit: str
+    values: tuple[tuple[float, ...], ...]  # one row of one number, unless it is an array
+    places: tuple[str, ...]  # what the columns are; empty: no names
+    origin: str  # file, default, derived, absent
+    key: str  # of the vessel file, or what it is derived from
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """One of the 131 terms, in the file, the full set and the compact sets."""
+
+    symbol: str
+    mnemonic: str  # of 1969
+    prime: float  # [-]
+    value: float
+    unit: str
+    origin: str
+    key: str
+
+
+@dataclass(frozen=True)
+class Compact:
+    """One constant of the compact sets, [ASSES] equation (18), as program EC790 prints them."""
+
+    symbol: str
+    mnemonic: str
+    unit: str
+    modified: float
+    basic: float
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer check --constants`` says about a vessel."""
+
+    vessel: str
+    path: str
+    groups: dict[str, tuple[Constant, ...]]
+    coefficients: tuple[Coefficient, ...]
+    compact: tuple[Compact, ...]
+
+
+@lru_cache(maxsize=2)
+def _tables(text: str) -> Mapping[str, Any]:
+    """Return the tables of a vessel file, parsed once for all of its keys."""
+    return tomllib.loads(text)
+
+
+def origin_of(file: VesselFile, key: str) -> str:
+    """Return whether a key is of the file, of the defaults file, or of neither."""
+    inside: Any = _tables(file.text)
+    for name in key.split("."):
+        inside = inside.get(name) if isinstance(inside, Mapping) else None
+    if inside is not None:
+        return FILE
+    defaulted = any(f"{key}.".startswith(f"{name}.") for name in file.defaulted)
+    return DEFAULT if defaulted else ABSENT
+
+
+def _origin(file: VesselFile, source: Source) -> tuple[str, str]:
+    """Return where a constant comes from, and the key, or what it is derived from."""
+    if source.key.startswith("= "):
+        return DERIVED, source.key.removeprefix("= ")
+    return origin_of(file, source.key), source.key
+
+
+def _rows(record: Record, symbol: str) -> tuple[tuple[float, ...], ...]:
+    """Return a number, or what is in use of an array of any shape, in rows."""
+    numbers = np.asarray(record[symbol][0], float)
+    rows = numbers.reshape(-1, numbers.shape[-1]) if numbers.ndim else numbers.reshape(1, 1)
+    counts = COUNTS.get(symbol, ("", ""))
+    high, wide = (int(record[name][0]) if name else None for name in counts)
+    return tuple(tuple(map(float, row[:wide])) for row in rows[:high])
+
+
+def _constants(
+    file: VesselFile, record: Record, sources: Mapping[str, Source]
+) -> tuple[Constant, ...]:
+    """Return the constants of a group."""
+    return tuple(
+        Constant(
+            symbol,
+            source.unit,
+            _rows(record, symbol),
+            PLACES.get(symbol, ()),
+            *_origin(file, source),
+        )
+        for symbol, source in sources.items()
+    )
+
+
+def _coefficients(file: VesselFile, record: Record) -> Iterator[Coefficient]:
+    """Yield the 131 coefficients of the full set."""
+    scale = {power: 0.5 * file.fluid.rho * file.hull.length**power for power in DIMENSIONS}
+    for term in TABLE:
+        value = float(record[term.key][0])
+        key = f"coefficients.{term.key}"
+        if term.key not in file.coefficients:
+            key = "propulsion.sets"
+        yield Coefficient(
+            term.key,
+            term.mnemonic,
+            value / scale[term.power],
+            value,
+            DIMENSIONS[term.power],
+            origin_of(file, key),
+            key,
+        )
+
+
+def _compact(file: VesselFile) -> Iterator[Compact]:
+    """Yield the constants of both compact sets, the further terms of the file among them."""
+    modified, basic = (
+        fit_out(file, Method(equations, "lagged", "exact", "adams2", file.run.step_s)).compact
+        for equations in ("modified", "basic")
+    )
+    powers = {term.key: (term.power, term.mnemonic) for term in TABLE}
+    further = tuple(name for name in EXTRA_TERMS if name in file.compact.extra_terms)
+    for name in (*KEPT, *further):
+        power, mnemonic = powers[name]
+        symbol = INVERTED.get(name, name)
+        unit = INVERSE[power] if name[0] in AXES else DIMENSIONS[power]
+        if symbol != name:
+            unit = "1/(kg m2)"
+        yield Compact(symbol, mnemonic, unit, float(modified[symbol][0]), float(basic[symbol][0]))
+    for symbol in ("XB", "YB", "ZB"):
+        yield Compact(symbol, symbol, "N m", float(modified[symbol][0]), float(basic[symbol][0]))
+
+
+def constants(file: VesselFile) -> Report:
+    """Return every constant of the boat, SI and radians, and where each comes from."""
+    record = fit_out(file, Method("full", "exact", "exact", "adams2", file.run.step_s)).vessel
+    groups = {name: _constants(file, record, sources) for name, sources in GROUPS.items()}
+    rows = _sources("-", eta_1="propulsion.sets", eta_2="propulsion.sets")
+    rows |= _sources("-", eta_whole="propulsion.eta_speed")
+    groups["LIMITS OF THE THRUST ROWS"] = _constants(file, record, rows)
+    return Report(
+        vessel=file.name,
+        path=str(file.path),
+        groups=groups,
+        coefficients=tuple(_coefficients(file, record)),
+        compact=tuple(_compact(file)),
+    )
+
+
+def _array(constant: Constant) -> list[str]:
+    """Return an array: a row a line, or a number a line where its places have names."""
+    head = f"{constant.symbol} [{constant.unit}]  {constant.origin}  {constant.key}"
+    lines = [f"{INDENT}{head}"]
+    rows = constant.values
+    if constant.places:
+        columns = zip(constant.places, zip(*rows, strict=True), strict=True)
+        named = [f"{place}: " + " ".join(map(_number, column)) for place, column in columns]
+    else:
+        named = [" ".join(map(_number, row)) for row in rows]
+    return [*lines, *(line for text in named for line in wrap(text, 2 * INDENT, 4 * INDENT))]
+
+
+def _number(value: float) -> str:
+    """Return a number in nine digits, as many as tell it from its neighbours on a page."""
+    return f"{value:.9g}"
+
+
+def _group(title: str, found: tuple[Constant, ...]) -> list[str]:
+    """Return a group: its single numbers as a table, then its arrays."""
+    single = [one for one in found if len(one.values) == 1 == len(one.values[0])]
+    rows = [
+        (one.symbol, _number(one.values[0][0]), one.unit, one.origin, cut(one.key, 25))
+        for one in single
+    ]
+    lines = ["", title, *table(("", "value", "unit", "from", ""), rows)]
+    for one in found:
+        if one not in single:
+            lines += _array(one)
+    return lines
+
+
+def render(report: Report) -> str:
+    """Return the listing as text."""
+    lines = [report.vessel, INDENT + cut(report.path, 77)]
+    for title, found in report.groups.items():
+        lines += _group(title, found)
+    rows = [
+        (one.symbol, one.mnemonic, f"{one.prime:.6g}", _number(one.value), one.unit, one.origin)
+        for one in report.coefficients
+    ]
+    lines += [
+        *("", "COEFFICIENTS (EB920; value: rho/2 L^n times prime)"),
+        *table(("", "1969", "prime [-]", "value", "unit", "from"), rows),
+    ]
+    small = [
+        (one.symbol, one.mnemonic, _number(one.modified), _number(one.basic), one.unit)
+        for one in report.compact
+    ]
+    lines += [
+        *("", "COMPACT CONSTANTS (EC790; compensation applied)"),
+        *table(("", "1969", "modified", "basic", "unit"), small),
+    ]
+    return "\n".join(lines)

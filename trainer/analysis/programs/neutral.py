@@ -1,0 +1,463 @@
+"""Planes for straight level flight, and the speed at which they reverse: program EC470.
+
+[ASSES] EC470 with errata F1-F4: pitch equals the angle of attack, q = 0, weight equals buoyancy,
+x_G = 0, one pair of planes deflected and the other at zero. With t = w/u, h = t/sqrt(1 + t^2) and
+R2 = 2 (z_B B - z_G W)/(rho L^3), normal force and pitching moment vanish where
+
+    Z_waw t|t| + Z_ww t^2 + Z_w t + Z_aw |t| + Z_star + Z_d d = 0
+    M_waw t|t| + M_ww t^2 + M_w t + M_aw |t| + M_star + M_d d + R2 h/u^2 = 0
+
+M_d times the first less Z_d times the second has no d: q(t) = k h/u^2, with k = Z_d R2 and q a
+parabola on either side of t = 0. Near a calm surface (Tables 12 and 13) Z_star and M_star are those
+of the depth and speed. All its roots are found: between neighbouring stationary points of
+q/h, which are roots of a quartic, there is at most one.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.analysis.check import critical_speed
+from trainer.analysis.programs.characteristic import surface_lines
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.boat.depths import Surface, near_surface, require_covered, surface_at, surface_remarks
+from trainer.config.vessel import VesselFile
+from trainer.core.kernel import Numbers
+from trainer.core.scheme import equations_alone
+from trainer.core.sea.free_surface import surface_forces
+from trainer.core.trim import STERN, trim
+from trainer.report.plots import Curve, Panel
+from trainer.report.text import figure, table, wrap
+from trainer.units import KNOT
+
+PLANES: Final = ("stern", "bow")
+STEEPEST: Final = math.tan(math.radians(85.0))  # [-] |w|/u looked at; the equations end before
+REAL: Final = 1e-9  # [-] of a root: an imaginary part below it is rounding
+HALVINGS: Final = 200
+ROUNDS: Final = 50  # of a speed at which solutions meet, near the surface
+SAME: Final = 1e-9  # [-] difference of two speeds
+
+
+class Side(NamedTuple):
+    """The equation square t^2 + slope t + constant = couple/u^2 h(t).
+
+    It holds on one side of t = 0, with t = |w|/u.
+    """
+
+    square: float  # [-]
+    slope: float  # [-]
+    constant: float  # [-]
+    couple: float  # [speed squared]
+
+
+@dataclass(frozen=True)
+class Angles:
+    """One solution: level flight by one pair of planes."""
+
+    w_m_s: float
+    pitch_deg: float  # equal to the angle of attack
+    plane_deg: float
+    within_limit: bool  # of the planes
+
+
+@dataclass(frozen=True)
+class Flight:
+    """All solutions by one pair of planes at one speed, the smallest |w| first."""
+
+    plane: str
+    speed_kn: float
+    solutions: tuple[Angles, ...]
+
+
+@dataclass(frozen=True)
+class Trim:
+    """Level flight by the stern planes in the boat's own equations, bow planes at zero."""
+
+    speed_kn: float
+    w_m_s: float
+    pitch_deg: float
+    stern_planes_deg: float
+    u_c_m_s: float  # command speed that keeps the speed
+
+
+@dataclass(frozen=True)
+class Neutral:
+    """All that ``trainer neutral`` says about a vessel."""
+
+    vessel: str
+    critical_speed_kn: dict[str, float | None]  # by plane, linear; None: none
+    fold_speeds_kn: dict[str, tuple[float, ...]]  # where the number of solutions changes
+    flights: tuple[Flight, ...]
+    trims: tuple[Trim | None, ...]  # by speed; None: Newton's method finds none
+    remarks: tuple[str, ...]
+    depth_m: float | None  # None: deep water
+    surface: tuple[Surface, ...]  # by speed; none in deep water
+
+
+def sides(file: VesselFile, plane: str) -> tuple[Side, Side]:
+    """Return the equation for w > 0 and w < 0 by one pair.
+
+    It is the "stern" or the "bow" pair.
+    """
+    c, hull = file.coefficients, file.hull
+    force, moment = c[f"Z_d{plane[0]}"], c[f"M_d{plane[0]}"]
+
+    def part(name: str) -> float:
+        return moment * c[f"Z_{name}"] - force * c[f"M_{name}"]
+
+    couple = 2.0 * (hull.cb[2] * hull.buoyancy - hull.cg[2] * hull.weight)
+    couple *= force / (file.fluid.rho * hull.length**3)
+    down = Side(part("ww") + part("waw"), part("w") + part("aw"), part("star"), couple)
+    up = Side(part("ww") - part("waw"), part("aw") - part("w"), part("star"), -couple)
+    return down, up
+
+
+def required_couple(side: Side, t: float) -> float:
+    """Return couple/u^2 [-] at which ``t`` > 0 is a solution."""
+    parabola = (side.square * t + side.slope) * t + side.constant
+    return parabola * math.hypot(1.0, t) / t
+
+
+def turning_points(side: Side) -> list[float]:
+    """Return the t > 0 at which ``needed`` is stationary, in order.
+
+    Roots of 2 square t^4 + slope t^3 + square t^2 - constant.
+    """
+    found = np.roots([2.0 * side.square, side.slope, side.square, 0.0, -side.constant])
+    real = [float(t.real) for t in found if abs(t.imag) <= REAL * abs(t)]
+    return sorted({t for t in real if 0.0 < t < STEEPEST})
+
+
+def solutions(side: Side, square_of_speed: float) -> list[float]:
+    """Return every t = |w|/u > 0 to STEEPEST that solves ``side`` at u^2."""
+    wanted = side.couple / square_of_speed
+    at_zero = math.copysign(math.inf, side.constant) if side.constant else side.slope - wanted
+
+    def excess(t: float) -> float:
+        return required_couple(side, t) - wanted if t > 0.0 else at_zero
+
+    found = []
+    for low, high in pairwise([0.0, *turning_points(side), STEEPEST]):
+        if (excess(low) > 0.0) != (excess(high) > 0.0):
+            found.append(_between(side, wanted, low, high))
+    return found
+
+
+def _between(side: Side, wanted: float, low: float, high: float) -> float:
+    """Return the one root between ``low`` and ``high``, by halving down to the last bit."""
+    rising = required_couple(side, high) > wanted
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        if (required_couple(side, middle) > wanted) == rising:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def level_flight(file: VesselFile, plane: str, speed: float) -> list[tuple[float, float]]:
+    """Return all (w/u [-], plane angle [rad]) at ``speed`` > 0, the smallest |w| first.
+
+    Empty if the boat has no such planes. Any consistent units.
+    """
+    if not file.coefficients[f"Z_d{plane[0]}"] and not file.coefficients[f"M_d{plane[0]}"]:
+        return []
+    down, up = sides(file, plane)
+    slopes = [*solutions(down, speed**2), *(-t for t in solutions(up, speed**2))]
+    if down.constant == 0.0:
+        slopes.append(0.0)
+    return [(t, plane_angle(file, plane, t, speed)) for t in sorted(slopes, key=abs)]
+
+
+def plane_angle(file: VesselFile, plane: str, t: float, speed: float) -> float:
+    """Return the plane angle [rad] that balances the solution ``t`` = w/u."""
+    c, hull = file.coefficients, file.hull
+    couple = 2.0 * (hull.cb[2] * hull.buoyancy - hull.cg[2] * hull.weight)
+    couple /= file.fluid.rho * hull.length**3
+
+    def part(axis: str) -> float:
+        even = c[f"{axis}_ww"] * t * t + c[f"{axis}_aw"] * abs(t) + c[f"{axis}_star"]
+        return even + c[f"{axis}_waw"] * t * abs(t) + c[f"{axis}_w"] * t
+
+    force, moment = c[f"Z_d{plane[0]}"], c[f"M_d{plane[0]}"]
+    pitching = part("M") + couple * t / math.hypot(1.0, t) / speed**2
+    # both vanish: the larger lever decides, where one of them is zero the other
+    return -(force * part("Z") + moment * pitching) / (force**2 + moment**2)
+
+
+def fold_speeds(file: VesselFile, plane: str) -> list[float]:
+    """Return the speeds at which two solutions meet and vanish, in order. Any consistent units."""
+    speeds = []
+    for side in sides(file, plane):
+        for t in turning_points(side):
+            square = side.couple / required_couple(side, t) if required_couple(side, t) else 0.0
+            if square > 0.0:
+                speeds.append(math.sqrt(square))
+    return sorted(speeds)
+
+
+def fold_speeds_at(file: VesselFile, plane: str, depth: float | None) -> list[float]:
+    """Return the speeds [m/s] at which two solutions meet at ``depth`` [m]; None: deep water.
+
+    The surface's share is that of the speed itself; a speed that does not settle is left out.
+    """
+    if depth is None:
+        return fold_speeds(file, plane)
+    found: list[float] = []
+    for speed in fold_speeds(near_surface(file, file.run.start_speed_kn * KNOT, depth), plane):
+        settled = _settled_fold(file, plane, depth, speed)
+        if settled is not None and not any(math.isclose(settled, one) for one in found):
+            found.append(settled)
+    return sorted(found)
+
+
+def _settled_fold(file: VesselFile, plane: str, depth: float, speed: float) -> float | None:
+    """Return the fold speed [m/s] nearest ``speed`` with the surface's share of its own speed."""
+    for _ in range(ROUNDS):
+        folds = np.array(fold_speeds(near_surface(file, speed, depth), plane))
+        if not folds.size:
+            return None
+        last, speed = speed, float(folds[np.argmin(abs(folds - speed))])
+        if math.isclose(last, speed, rel_tol=SAME):
+            return speed
+    return None
+
+
+def trim_at(boat: Boat, speed: float, depth: float | None = None) -> Trim | None:
+    """Return trim of the boat's own equations at ``speed`` [m/s]; None if none is found.
+
+    The search begins at the solution of EC470 with the smallest |w|; planes have no limit here.
+    At a ``depth`` [m] the force and moment of the calm surface act besides; None is deep water.
+    """
+    r, s = boat.records, boat.state
+    for name in ("v", "phi", "delta_r", "delta_b"):
+        s[name] = 0.0
+    start = level_flight(near_surface(boat.file, speed, depth), "stern", speed)
+    t, angle = start[0] if start else (0.0, 0.0)
+    s.u = s.u_c = speed
+    s.w, s.theta, s.delta_s = t * speed, math.atan(t), angle
+    outside = r.scratch["external"][0]
+    outside[:] = 0.0
+    if depth is not None:
+        s.z = depth
+        surface_forces(r.vessel, r.state, outside)
+    alone = equations_alone(r.scheme)
+    with np.errstate(all="ignore"):  # a boat without stern planes has a singular system
+        settled = trim(r.vessel, r.compact, alone, r.state, r.scratch, STERN)
+    if not settled:
+        return None
+    return Trim(
+        speed / KNOT,
+        float(s.w),
+        math.degrees(s.theta),
+        math.degrees(s.delta_s),
+        float(s.u_c),
+    )
+
+
+def flight(file: VesselFile, plane: str, speed: float) -> Flight:
+    """Return all level flights at ``speed`` [m/s] in the units of a page."""
+    surfaces = file.surfaces
+    limit = {"stern": surfaces.stern_plane_limit_deg, "bow": surfaces.bow_plane_limit_deg}[plane]
+    found = []
+    for t, angle in level_flight(file, plane, speed):
+        degrees = math.degrees(angle)
+        pitch = math.degrees(math.atan(t))
+        found.append(Angles(t * speed, pitch, degrees, abs(degrees) <= limit))
+    return Flight(plane, speed / KNOT, tuple(found))
+
+
+def remarks(file: VesselFile) -> tuple[str, ...]:
+    """Return in which of its assumptions EC470 differs from the boat."""
+    hull = file.hull
+    found = []
+    if hull.weight != hull.buoyancy:
+        heavy = 100.0 * (hull.weight - hull.buoyancy) / hull.buoyancy
+        found.append(f"EC470 takes the weight as equal to the buoyancy; it is {heavy:+.2g} % of it")
+    if hull.cg[0] != 0.0 or hull.cb[0] != 0.0:
+        found.append("EC470 takes x_G and x_B as zero; the trim of the boat itself does not")
+    return tuple(found)
+
+
+def neutral(file: VesselFile, speeds: Iterable[float], depth: float | None = None) -> Neutral:
+    """Return the neutral angles at ``speeds`` [kn], critical speeds and trims.
+
+    At a ``depth`` [m] they are those under a calm surface. ConfigError if the vessel file has no
+    tables of it.
+    """
+    require_covered(file, depth)
+    speeds = [knots * KNOT for knots in speeds]
+    critical = {plane: critical_speed(file, plane) for plane in PLANES}
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
+    return Neutral(
+        vessel=file.name,
+        critical_speed_kn={
+            plane: None if speed is None else speed / KNOT for plane, speed in critical.items()
+        },
+        fold_speeds_kn={
+            plane: tuple(speed / KNOT for speed in fold_speeds_at(file, plane, depth))
+            for plane in PLANES
+        },
+        flights=tuple(
+            flight(near_surface(file, speed, depth), plane, speed)
+            for speed in speeds
+            for plane in PLANES
+        ),
+        trims=tuple(trim_at(boat, speed, depth) for speed in speeds),
+        remarks=(*remarks(file), *surface_remarks(file, depth)),
+        depth_m=depth,
+        surface=() if depth is None else tuple(surface_at(file, at, depth) for at in speeds),
+    )
+
+
+# The neutral angles as a page for a terminal, and as a plot.
+
+
+DRAWN: Final = 20.0  # [deg] of pitch, either way
+POINTS: Final = 200  # of each side of a curve, in pitch and in speed
+
+Drawn = tuple[Numbers, Numbers, Numbers]
+
+HEADS: Final = ("speed\n[kn]", "planes", "w\n[m/s]", "pitch\n[deg]", "angle\n[deg]", "")
+
+
+def _speeds(speeds: tuple[float, ...]) -> str:
+    """Return speeds [kn] as a phrase."""
+    return ", ".join(f"{speed:.2f} kn" for speed in speeds) or "none"
+
+
+def _critical(report: Neutral) -> list[str]:
+    """Return the speeds at which the planes reverse."""
+    lines = ["", "CRITICAL SPEEDS (a plane below its own reverses its effect on depth)"]
+    for plane in PLANES:
+        speed = report.critical_speed_kn[plane]
+        folds = _speeds(report.fold_speeds_kn[plane])
+        linear = "none" if speed is None else f"{speed:.2f} kn"
+        lines.append(f"  {plane:<6} linear {linear:<10} solutions meet at {folds}")
+    return lines
+
+
+def _angles(report: Neutral) -> list[str]:
+    """Return the table of all solutions."""
+    rows = []
+    for flight in report.flights:
+        head = (f"{flight.speed_kn:.4g}", flight.plane)
+        if not flight.solutions:
+            rows.append((*head, "-", "-", "-", "no level flight"))
+        for i, one in enumerate(flight.solutions):
+            note = "" if one.within_limit else "beyond the limit"
+            first = head if i == 0 else ("", "")
+            w, pitch, plane = (f"{x:+.3f}" for x in (one.w_m_s, one.pitch_deg, one.plane_deg))
+            rows.append((*first, w, pitch, plane, note))
+    return [
+        "",
+        "NEUTRAL ANGLES (EC470: one pair of planes, the other at zero)",
+        *table(HEADS, rows),
+    ]
+
+
+def _trims(report: Neutral) -> list[str]:
+    """Return the table of the boat's own trims by the stern planes."""
+    heads = ("speed\n[kn]", "w\n[m/s]", "pitch\n[deg]", "stern\n[deg]", "u_c\n[kn]")
+    speeds = dict.fromkeys(flight.speed_kn for flight in report.flights)
+    rows: list[tuple[str, ...]] = []
+    for speed, found in zip(speeds, report.trims, strict=True):
+        if found is None:
+            rows.append((f"{speed:.4g}", "-", "-", "none", "-"))
+            continue
+        numbers = (found.w_m_s, found.pitch_deg, found.stern_planes_deg)
+        cells = (figure(number, "+.3f") for number in numbers)
+        rows.append((f"{speed:.4g}", *cells, f"{found.u_c_m_s / KNOT:.3f}"))
+    return ["", "TRIM OF THE FULL SET (stern planes, bow planes at zero)", *table(heads, rows)]
+
+
+def render(report: Neutral) -> str:
+    """Return the report as text."""
+    notes = [line for text in report.remarks for line in wrap("remark: " + text)]
+    surface = surface_lines(report.depth_m, report.surface)
+    heading = [report.vessel, *notes]
+    parts = [heading, surface, _critical(report), _angles(report), _trims(report)]
+    return "\n".join(line for part in parts for line in part)
+
+
+def _steps(side: Side, most: float) -> list[float]:
+    """Return the |w|/u at which a curve is drawn: even by themselves, and even in speed [kn]."""
+    steepest = math.tan(math.radians(DRAWN))
+    steps = {*np.geomspace(1e-5, steepest, POINTS).tolist(), *turning_points(side)}
+    for knots in np.linspace(0.0, most, POINTS)[1:]:
+        steps |= {t for t in solutions(side, (knots * KNOT) ** 2) if t < steepest}
+    return sorted(steps)
+
+
+def _curve(file: VesselFile, plane: str, most: float) -> Drawn:
+    """Return speed [kn], pitch [deg] and plane angle [deg] along all solutions up to ``most`` [kn].
+
+    The curve is followed by its pitch, so that it turns back where two solutions meet.
+    """
+    points: list[tuple[float, float, float]] = []
+    for side, sense in zip(sides(file, plane), (1.0, -1.0), strict=True):
+        for t in _steps(side, most):
+            ratio = required_couple(side, t)
+            square = side.couple / ratio if ratio else math.inf
+            speed = math.sqrt(square) if square > 0.0 else math.nan
+            if not speed <= most * KNOT:
+                points.append((math.nan, math.nan, math.nan))
+                continue
+            angle = plane_angle(file, plane, sense * t, speed)
+            points.append((speed / KNOT, math.degrees(math.atan(sense * t)), math.degrees(angle)))
+        points.append((math.nan, math.nan, math.nan))
+    knots, pitch, degrees = np.array(points).T
+    return knots, pitch, degrees
+
+
+def _points(file: VesselFile, plane: str, most: float, depth: float) -> Drawn:
+    """Return speed [kn], pitch [deg] and plane angle [deg] of all solutions at a ``depth`` [m].
+
+    The surface's share changes with speed, so that no curve is followed: it is dots over speed.
+    """
+    found = []
+    for knots in np.linspace(0.0, most, POINTS)[1:]:
+        speed = float(knots) * KNOT
+        for t, angle in level_flight(near_surface(file, speed, depth), plane, speed):
+            pitch = math.degrees(math.atan(t))
+            if abs(pitch) <= DRAWN:
+                found.append((float(knots), pitch, math.degrees(angle)))
+    table = np.array(found, float).reshape(-1, 3)
+    return table[:, 0], table[:, 1], table[:, 2]
+
+
+def panels(file: VesselFile, report: Neutral) -> tuple[Panel, ...]:
+    """Return pitch and plane angle over speed, every solution, critical speeds marked."""
+    most = max(flight.speed_kn for flight in report.flights)
+    dots = report.depth_m is not None
+    pitches, planes, marks = [], [], []
+    for plane in PLANES:
+        if not any(flight.solutions for flight in report.flights if flight.plane == plane):
+            continue
+        knots, pitch, degrees = (
+            _curve(file, plane, most)
+            if report.depth_m is None
+            else _points(file, plane, most, report.depth_m)
+        )
+        limit = getattr(file.surfaces, f"{plane}_plane_limit_deg")
+        pitches.append(Curve(f"{plane} planes", knots, pitch, points=dots))
+        shown = np.where(abs(degrees) <= limit, degrees, np.nan)
+        planes.append(Curve(f"{plane} planes", knots, shown, points=dots))
+        critical = report.critical_speed_kn[plane]
+        if critical is not None and critical <= most:
+            marks.append((f"critical, {plane}", critical))
+    x = "speed [kn]"
+    where = "" if report.depth_m is None else f", {report.depth_m:g} m down"
+    return (
+        Panel(
+            f"{report.vessel}: level flight{where}", x, "pitch [deg]", tuple(pitches), tuple(marks)
+        ),
+        Panel("planes, within their limits", x, "plane angle [deg]", tuple(planes), tuple(marks)),
+    )

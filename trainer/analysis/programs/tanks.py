@@ -1,0 +1,311 @@
+"""Weight and balance over all fillings of the tanks: program EC430 [ASSES], erratum F6.
+
+A boat's own tanks in program EC430: its balance as filled, and all that fillings can make of it.
+
+A flooded compartment is one more tank. Surfaces of the water in a tank are not counted.
+
+Weight and balance of a boat's tanks as a page for a terminal, and as a trim polygon.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.vessel import VesselFile
+from trainer.report.plots import Curve, Panel
+from trainer.report.text import INDENT, table
+
+
+class Weight(NamedTuple):
+    """One weight and its place: the boat without tanks, or a tank's contents."""
+
+    weight: float  # [N]
+    x: float  # [m]
+    y: float
+    z: float
+
+
+class Balance(NamedTuple):
+    """Weight, moments about the origin, and centre of gravity."""
+
+    weight: float  # [N]
+    moments: tuple[float, float, float]  # [N m] weight times x, y, z
+    centre: tuple[float, float, float]  # [m]
+
+
+class Range(NamedTuple):
+    """Least and greatest value over all fillings."""
+
+    least: float
+    most: float
+
+
+class Limits(NamedTuple):
+    """The range of the tanks: weight [N] and centre of gravity [m], each alone."""
+
+    weight: Range
+    x_g: Range
+    y_g: Range
+    z_g: Range
+
+
+def balance(hull: Weight, tanks: Sequence[Weight]) -> Balance:
+    """Return weight [N], moments [N m] and centre [m].
+
+    The centre is x_G = (W0 x0 + sum Wi xi)/W.
+    """
+    parts = (hull, *tanks)
+    weight = sum(part.weight for part in parts)
+    x, y, z = (sum(part.weight * part[axis] for part in parts) for axis in (1, 2, 3))
+    return Balance(weight, (x, y, z), (x / weight, y / weight, z / weight))
+
+
+def limits(hull: Weight, tanks: Sequence[Weight]) -> Limits:
+    """Return the limits of weight [N] and centre [m], ``tanks`` being their full contents."""
+    return Limits(
+        Range(hull.weight, balance(hull, tanks).weight),
+        *(Range(_extreme(hull, tanks, axis, -1), _extreme(hull, tanks, axis, 1)) for axis in _AXES),
+    )
+
+
+_AXES = (1, 2, 3)  # places of x, y, z in Weight
+
+
+def _extreme(hull: Weight, tanks: Sequence[Weight], axis: int, sign: int) -> float:
+    """Return the centre [m] furthest towards ``sign`` along an axis.
+
+    Each tank is then full or empty: full if it lies beyond the centre of all the rest, so that
+    tanks are filled from the outermost inwards until one would draw the centre back.
+    """
+    weight, moment = hull.weight, hull.weight * hull[axis]
+    for tank in sorted(tanks, key=lambda tank: -sign * tank[axis]):
+        if sign * (tank[axis] - moment / weight) <= 0.0:
+            break
+        weight += tank.weight
+        moment += tank.weight * tank[axis]
+    return moment / weight
+
+
+KINDS: Final = ("pumped", "blown", "compartments")  # tables of [ballast]
+# What is free to be filled; the rest stays as it is.
+GROUPS: Final = {
+    "pumped tanks": ("pumped",),
+    "all tanks": ("pumped", "blown"),
+    "tanks and flooding": ("pumped", "blown", "compartments"),
+}
+
+
+@dataclass(frozen=True)
+class Tank:
+    """A tank or compartment of the boat."""
+
+    name: str
+    kind: str  # of KINDS
+    full: Weight  # of what it holds when full
+    fill: float  # [-] of it, now
+
+    @property
+    def contents(self) -> Weight:
+        """Return what it holds now."""
+        return self.full._replace(weight=self.fill * self.full.weight)
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """Limits over all fillings of some tanks, and the outline of weight and moment."""
+
+    free: str  # which
+    limits: Limits
+    # corners of all that can be: W - B [N] and x_G W - x_B B [N m]
+    outline: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer tanks`` says about a vessel."""
+
+    vessel: str
+    buoyancy_N: float
+    x_b_m: float
+    z_b_m: float
+    hull: Weight  # the boat with its tanks empty
+    tanks: tuple[Tank, ...]
+    now: Balance
+    ranges: tuple[Ranges, ...]
+
+
+def tanks_of(file: VesselFile, fills: Mapping[str, float]) -> list[Tank]:
+    """Return the tanks, filled as at the start or as ``fills`` [-] says by name.
+
+    ConfigError if the boat has no tanks, none of that name, or a share is not within 0 and 1.
+    """
+    if file.ballast is None:
+        raise ConfigError(f"{file.path.name}: has no table [ballast]: there are no tanks to fill")
+    unit = file.fluid.rho * file.fluid.g
+    rows = [(kind, row) for kind in KINDS for row in getattr(file.ballast, kind)]
+    _check_fills(fills, [row.name for _, row in rows])
+    return [
+        Tank(
+            row.name,
+            kind,
+            Weight(unit * row.capacity_m3, *row.centre_m),
+            fills.get(row.name, getattr(row, "start_fill", 0.0)),
+        )
+        for kind, row in rows
+    ]
+
+
+def _check_fills(fills: Mapping[str, float], names: Sequence[str]) -> None:
+    """Check names and shares; ConfigError with all that is wrong."""
+    problems = []
+    for name, share in fills.items():
+        if name not in names:
+            known = f"this boat has {', '.join(names)}"
+            problems.append(f"--fill {quote(name)}: no such tank{nearest(name, names)}; {known}")
+        elif not 0.0 <= share <= 1.0:
+            problems.append(f"--fill {name}={share:g}: must be within 0 (empty) and 1 (full)")
+    if problems:
+        raise ConfigError(*problems)
+
+
+def bare_hull(file: VesselFile) -> Weight:
+    """Return weight [N] and centre [m] of the boat with every tank empty.
+
+    [vessel] holds at the start fillings.
+    """
+    whole = Weight(file.hull.weight, *file.hull.cg)
+    taken = [tank.contents for tank in tanks_of(file, {})]
+    return Weight(*_add_parts(whole, [water._replace(weight=-water.weight) for water in taken]))
+
+
+def _add_parts(hull: Weight, parts: Sequence[Weight]) -> tuple[float, float, float, float]:
+    """Return weight [N] and centre [m] of ``hull`` with ``parts``."""
+    whole = balance(hull, parts)
+    return (whole.weight, *whole.centre)
+
+
+def outline(file: VesselFile, fixed: Weight, free: Sequence[Weight]) -> NDArray[np.float64]:
+    """Return the corners of all weights and moments. They are W - B [N] and x_G W - x_B B [N m].
+
+    They are in order and closed, (n, 2).
+
+    Each tank adds a line from empty to full; the outline of their sum has each line twice, in
+    the order of their steepness.
+    """
+    hull = file.hull
+    start = [fixed.weight - hull.buoyancy, fixed.weight * fixed.x - hull.cb[0] * hull.buoyancy]
+    steps = sorted(
+        ([tank.weight, tank.weight * tank.x] for tank in free),
+        key=lambda step: math.atan2(step[1], step[0]),
+    )
+    backwards = [[-weight, -moment] for weight, moment in steps]
+    return np.cumsum([start, *steps, *backwards], axis=0)
+
+
+def _ranges(file: VesselFile, hull: Weight, tanks: Sequence[Tank], free: str) -> Ranges:
+    """Return the limits with the tanks of one group free and the others as they are."""
+    kept = [tank.contents for tank in tanks if tank.kind not in GROUPS[free]]
+    fixed = Weight(*_add_parts(hull, kept))
+    full = [tank.full for tank in tanks if tank.kind in GROUPS[free]]
+    corners = tuple((float(w), float(m)) for w, m in outline(file, fixed, full))
+    return Ranges(free, limits(fixed, full), corners)
+
+
+def fillings(file: VesselFile, fills: Mapping[str, float]) -> Report:
+    """Return balance and limits of the boat's tanks, filled as ``fills`` [-] says by name."""
+    hull, tanks = bare_hull(file), tanks_of(file, fills)
+    kinds = {tank.kind for tank in tanks}
+    groups = [free for free, members in GROUPS.items() if members[-1] in kinds]
+    return Report(
+        vessel=file.name,
+        buoyancy_N=file.hull.buoyancy,
+        x_b_m=file.hull.cb[0],
+        z_b_m=file.hull.cb[2],
+        hull=hull,
+        tanks=tuple(tanks),
+        now=balance(hull, [tank.contents for tank in tanks]),
+        ranges=tuple(_ranges(file, hull, tanks, free) for free in groups),
+    )
+
+
+def _weight(name: str, part: Weight, fill: str) -> tuple[str, ...]:
+    """Return one weight as a line of the table."""
+    centre = (f"{place:+.3f}" for place in (part.x, part.y, part.z))
+    return (name, fill, f"{1e-3 * part.weight:.1f}", *centre)
+
+
+def _balance(report: Report) -> list[str]:
+    """Return hull, tanks and their sum."""
+    heads = ("", "filled", "[kN]", "x [m]", "y [m]", "z [m]")
+    now = Weight(report.now.weight, *report.now.centre)
+    rows = [
+        _weight("hull, tanks empty", report.hull, ""),
+        *(_weight(tank.name, tank.contents, f"{tank.fill:.1%}") for tank in report.tanks),
+        _weight("together", now, ""),
+    ]
+    excess = 1e-3 * (report.now.weight - report.buoyancy_N)
+    moment = 1e-3 * (report.now.moments[0] - report.x_b_m * report.buoyancy_N)
+    x, y, z = (1e-3 * part for part in report.now.moments)
+    below = report.now.centre[2] - report.z_b_m
+    return [
+        "",
+        "WEIGHT AND BALANCE (EC430)",
+        *table(heads, rows),
+        f"{INDENT}moments about the origin: x {x:+.1f}, y {y:+.1f}, z {z:+.1f} kN m",
+        f"{INDENT}W - B {excess:+.1f} kN, bow-down moment {moment:+.1f} kN m",
+        f"{INDENT}centre of gravity {below:.4f} m below the centre of buoyancy",
+    ]
+
+
+def _span(limits: Range, scale: float, form: str) -> str:
+    """Return a range as text."""
+    return f"{scale * limits.least:{form}} to {scale * limits.most:{form}}"
+
+
+def _limits(ranges: Ranges) -> tuple[str, ...]:
+    """Return the limits of one group as a line of the table."""
+    limits = ranges.limits
+    weight = _span(limits.weight, 1e-3, ".1f")
+    return (ranges.free, weight, _span(limits.x_g, 1.0, "+.3f"), _span(limits.z_g, 1.0, "+.3f"))
+
+
+def render(report: Report) -> str:
+    """Return the report as text."""
+    heads = ("free to be filled", "weight [kN]", "x_G [m]", "z_G [m]")
+    rows = [_limits(ranges) for ranges in report.ranges]
+    sided = [
+        f"{INDENT}{ranges.free}: y_G {_span(ranges.limits.y_g, 1.0, '+.4f')} m"
+        for ranges in report.ranges
+        if ranges.limits.y_g != (0.0, 0.0)
+    ]
+    return "\n".join(
+        [
+            report.vessel,
+            *_balance(report),
+            "",
+            "LIMITS OVER ALL FILLINGS, each by itself",
+            *table(heads, rows),
+            *sided,
+        ]
+    )
+
+
+def panels(report: Report) -> tuple[Panel, ...]:
+    """Return the outlines of excess weight and moment, the boat as it is among them."""
+    here = (
+        1e-3 * (report.now.moments[0] - report.x_b_m * report.buoyancy_N),
+        1e-3 * (report.now.weight - report.buoyancy_N),
+    )
+    found = []
+    for ranges in report.ranges:
+        corners = 1e-3 * np.array(ranges.outline)
+        outline = Curve(ranges.free, corners[:, 1], corners[:, 0])
+        now = Curve("as filled", np.array(here[:1]), np.array(here[1:]), points=True)
+        x, y = "bow-down moment [kN m]", "W - B [kN]"
+        found.append(Panel(f"{report.vessel}: {ranges.free}", x, y, (outline, now)))
+    return tuple(found)

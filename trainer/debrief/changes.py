@@ -1,0 +1,217 @@
+"""The instructor changes the marks of a run, each with a reason. The old ones stand.
+
+Changes are kept beside the recording: drill.changes.toml beside drill.trainer. The recording
+itself stays as it was flown.
+"""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final
+
+from trainer.config.files import ConfigError, Place, nearest, parse_toml, quote, text_if_there
+from trainer.config.schema import Choice, Quantity, Rows, Text, of, read_record, within
+from trainer.debrief.judgement import GATE_CAP, LOST_CAP, WIDTHS, before_gate, judge
+from trainer.debrief.scoring import Scorecard
+from trainer.debrief.trajectory import Trajectory
+from trainer.io.atomic_write import write_whole
+from trainer.session.plan import Plan
+
+SCHEMA: Final = "changes/1"
+CHANGES: Final = ".changes.toml"  # ends the name of the file
+OUTCOME, WIDTH = "outcome", "width"  # what is changed beside a score
+OUTCOMES: Final = ("won", "lost", "not reached")
+STRIKE, WEIGHT_WORD = "strike", "weight"
+WEIGHT: Final = Quantity("-", within(0, 1000), "in the total")
+FORM: Final = 'say it as "NAME: WHAT, REASON", such as "{}: weight 0, the gauge was wrong"'
+
+
+@dataclass(frozen=True, kw_only=True)
+class Change:
+    """One change of the instructor's."""
+
+    branch: float = of(Quantity("-", within(1, 1e9), "of the recording"))
+    name: str = of(Text(60, "the score; or outcome, width"))
+    what: str = of(Text(40, "weight and a number, strike, an outcome, a width"))
+    reason: str = of(Text(300, "why"))
+    at: str = of(Text(40, "when it was made, UTC"))
+
+    def __str__(self) -> str:
+        """Return it as the page tells it."""
+        return f"{self.name}: {self.what} ({self.reason})"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Head:
+    """The beginning of the file."""
+
+    schema: str = of(Choice((SCHEMA,), "form of the file"))
+
+
+ROWS: Final = Rows(Change, (), 0, 1000, "what was changed")
+
+
+def changes_path(recording: Path) -> Path:
+    """Return where the changes of a recording are kept: beside it."""
+    return recording.with_name(f"{recording.stem}{CHANGES}")
+
+
+def read_changes(recording: Path) -> tuple[Change, ...]:
+    """Return the changes kept beside a recording; ConfigError if they cannot be read."""
+    path = changes_path(recording)
+    text = text_if_there(path)
+    if text is None:
+        return ()
+    table, place = parse_toml(text, path.name), Place(path.name, "")
+    rows = table.pop("changes", [])
+    read_record(Head, table, place, ())
+    changes: tuple[Change, ...] = ROWS.read("changes", rows, place)
+    for each in changes:
+        _what(each.name, each.what, f"{path.name}: {each.name}: {each.what}")
+    return changes
+
+
+def write_changes(recording: Path, changes: Sequence[Change]) -> None:
+    """Keep changes beside a recording, all at once; without any the file goes."""
+    path = changes_path(recording)
+    try:
+        if changes:
+            write_whole(path, text_of(changes))
+        else:
+            path.unlink(missing_ok=True)
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
+
+
+def text_of(changes: Iterable[Change]) -> str:
+    """Return the text that reads back as these changes."""
+    lines = ["# Marks changed by the instructor: trainer debrief --change", f'schema = "{SCHEMA}"']
+    for each in changes:
+        lines += ["", "[[changes]]", f"branch = {int(each.branch)}"]
+        for key in ("name", "what", "reason", "at"):
+            lines.append(f"{key} = {json.dumps(getattr(each, key), ensure_ascii=False)}")
+    return "\n".join(lines) + "\n"
+
+
+def change_of(text: str, branch: int, plan: Plan) -> Change:
+    """Return the change that a text orders; ConfigError saying what it should be."""
+    names = names_of(plan)
+    name, rest = _named(text, names)
+    what, _, reason = (part.strip() for part in rest.partition(","))
+    if not (what and reason):
+        raise ConfigError(f"--change {quote(text)}: {FORM.format(name)}: a reason is needed")
+    found = {
+        "branch": branch,
+        "name": name,
+        "what": _what(name, " ".join(what.split()), f"--change {quote(text)}"),
+        "reason": reason,
+        "at": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+    return read_record(Change, found, Place("--change", ""), ())
+
+
+def names_of(plan: Plan) -> tuple[str, ...]:
+    """Return what can be changed of an exercise; ConfigError if it has no marks."""
+    if not plan.scores:
+        raise ConfigError(
+            "--change: this run has no scoring rules, so there are no marks to change"
+        )
+    names = tuple(rule.score.name for rule in plan.scores)
+    return (*names, OUTCOME, WIDTH) if plan.judged_by_tasks else (*names, WIDTH)
+
+
+def _named(text: str, names: tuple[str, ...]) -> tuple[str, str]:
+    """Return the name that a text begins with, and what follows; ConfigError naming the nearest."""
+    folded = text.strip().casefold()
+    for name in sorted(names, key=len, reverse=True):
+        if folded.startswith(f"{name.casefold()}:"):
+            return name, text.strip()[len(name) + 1 :]
+    given, colon, _ = text.partition(":")
+    if not colon:
+        raise ConfigError(f"--change {quote(text)}: {FORM.format(names[0])}")
+    raise ConfigError(_unknown("--change", given.strip(), names))
+
+
+def _unknown(option: str, given: str, names: tuple[str, ...]) -> str:
+    there = ", ".join(names)
+    return (
+        f"{option} {quote(given)}: nothing of that name{nearest(given, names)}; there are: {there}"
+    )
+
+
+def _what(name: str, what: str, where: str) -> str:
+    """Return what is to be, as it is kept; ConfigError with what could be."""
+    known = {OUTCOME: OUTCOMES, WIDTH: tuple(WIDTHS)}.get(name)
+    if known is not None:
+        if what.lower() not in known:
+            hint = f"{nearest(what, known)}; say {', '.join(known)}"
+            raise ConfigError(f"{where}: no {name} {quote(what)}{hint}")
+        return what.lower()
+    if what.lower() == STRIKE:
+        return STRIKE
+    word, _, number = what.lower().partition(" ")
+    try:
+        weight = WEIGHT.read(WEIGHT_WORD, float(number), Place("", ""))
+    except ValueError:  # a ConfigError is one
+        hint = f'say "weight" and a number of 0 to 1000, or "{STRIKE}"'
+        raise ConfigError(f"{where}: {quote(what)}: {hint}") from None
+    if word != WEIGHT_WORD:
+        raise ConfigError(f"{where}: {quote(what)}: say weight, or {STRIKE}")
+    return f"{WEIGHT_WORD} {weight:g}"
+
+
+def without(changes: Sequence[Change], name: str, branch: int) -> tuple[Change, ...]:
+    """Return the changes less those of a name, or of all, in a branch. ConfigError if none is."""
+    here = [each for each in changes if each.branch == branch]
+    names = tuple(dict.fromkeys(each.name for each in here))
+    if not names:
+        raise ConfigError(f"--change-back {quote(name)}: nothing has been changed in this run")
+    asked = name.strip().casefold()
+    if asked != "all" and asked not in {each.casefold() for each in names}:
+        raise ConfigError(_unknown("--change-back", name, (*names, "all")))
+    return tuple(
+        each
+        for each in changes
+        if each.branch != branch or asked not in ("all", each.name.casefold())
+    )
+
+
+def changed_card(
+    trajectory: Trajectory,
+    plan: Plan,
+    nobody: Mapping[str, Mapping[str, float]],
+    width: str,
+    changes: Sequence[Change],
+) -> Scorecard:
+    """Return the marks as changed; ``nobody`` has those with nobody aboard, by width and name."""
+    told = {each.name: each.what for each in changes}  # the last of a name counts
+    width = told.get(WIDTH, width)
+    scores = tuple(
+        replace(rule, score=replace(rule.score, weight=weight))
+        for rule in plan.scores
+        if (weight := _weight(told.get(rule.score.name), rule.weight)) > 0.0
+    )
+    card = judge(trajectory, replace(plan, scores=scores), nobody[width], width)
+    return with_outcome(card, told[OUTCOME]) if OUTCOME in told else card
+
+
+def _weight(what: str | None, weight: float) -> float:
+    """Return the weight of a rule after a change; nothing where it is struck."""
+    if what is None:
+        return weight
+    return 0.0 if what == STRIKE else float(what.partition(" ")[2])
+
+
+def with_outcome(card: Scorecard, outcome: str) -> Scorecard:
+    """Return a card with another outcome, and the most that this leaves."""
+    verdict = card.verdict
+    if verdict is None:
+        return card
+    caps = {"won": None, "lost": LOST_CAP, "not reached": GATE_CAP if verdict.gate else None}
+    cap, whole = caps[outcome], before_gate(verdict)
+    total = whole if cap is None else min(whole, cap)
+    reason = "" if outcome == "won" else verdict.reason
+    verdict = replace(verdict, outcome=outcome, reason=reason, cap=cap, void=False, free=False)
+    return replace(card, total=total, verdict=verdict)

@@ -1,0 +1,398 @@
+"""The drawings of a debrief against time: time line and charts. The reference run laid under."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from markupsafe import Markup
+
+from trainer.config.score_rules import COURSE
+from trainer.core.ballast.tanks import BANKS
+from trainer.core.kernel import Numbers
+from trainer.debrief.data import DebriefData
+from trainer.debrief.episodes import shown
+from trainer.debrief.measures import LIMITED, limits_of
+from trainer.debrief.rehearsal import CREW
+from trainer.debrief.trajectory import Rows, Trajectory
+from trainer.io.recording.recording import Noted
+from trainer.report.svg import (
+    ANGLES,
+    LEFT,
+    LETTER,
+    RIGHT,
+    WIDTH,
+    Chart,
+    Ground,
+    Level,
+    Line,
+    backdrop,
+    clock,
+    rect,
+    rule,
+    svg,
+    text,
+    time_axis,
+)
+from trainer.units import KNOT
+
+ACTUAL, ORDERED, SECOND = "actual", "ordered", "second"
+MAX_MARKS_DRAWN: Final = 200  # marks or calls in a chart
+LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
+BESIDE, FROM_HERE = "beside", "from-here"
+WRONG, TAKEN = "wrong", "taken"  # moments of the page
+NEARLY_ROUND: Final = 350.0  # [deg] from the ordered course: the boat has gone round
+USED: Final = 0.5  # [%] of air, from which on the banks are shown
+CHART_OF: Final = {  # where a quantity is drawn that has no chart of its own name
+    "depth_rate": "depth",
+    "heel": "pitch",
+    "turn_rate": "course",
+    "turns": "speed",
+    "bank_main": "air",
+    "bank_emergency": "air",
+    "speed_over_ground": "speed",
+}
+NAMES: Final = (
+    *("depth", "clearance", "pitch", "stern", "bow", "course", "rudder", "speed", "air"),
+)
+
+
+def chart_of(quantity: str) -> str:
+    """Return the name of the drawing that shows a quantity, the time line's for others."""
+    name = CHART_OF.get(quantity, quantity)
+    return name if name in NAMES else "timeline"
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A run laid under that of the page: its name, and its lines."""
+
+    label: str
+    trajectory: Trajectory
+    style: str
+
+
+def runs_beside(debrief: DebriefData) -> tuple[Beside, ...]:
+    """Return the runs of the reference crew, as far as the recorded one goes."""
+    found = debrief.compared
+    if found is None:
+        return ()
+    runs = [Beside("reference", found.reference.trajectory, BESIDE)]
+    if found.from_here is not None:
+        label = f"reference from {clock(found.from_here.since or 0.0)}"
+        runs.append(Beside(label, found.from_here.trajectory, FROM_HERE))
+    return tuple(runs)
+
+
+def ground_of(debrief: DebriefData) -> Ground:
+    """Return time, casualties and marks as every chart shows them."""
+    seconds, step = debrief.trajectory.seconds, debrief.step
+    last = float(seconds[-1])
+    spans = tuple(
+        (
+            each.episode.begun * step,
+            last if each.episode.ended is None else each.episode.ended * step,
+        )
+        for each in debrief.casualties
+    )
+    marks = tuple(each.tick * step for each in _drawn(debrief, "mark"))
+    return Ground(seconds, spans, marks, tuple(_moments(debrief)))
+
+
+def _moments(debrief: DebriefData) -> Iterator[tuple[str, float]]:
+    """Yield when it went wrong, and when the reference crew took over."""
+    found = debrief.compared
+    if found and found.fault:
+        yield WRONG, found.fault.tick * debrief.step
+    if found and found.from_here:
+        yield TAKEN, found.from_here.since or 0.0
+
+
+def charts_of(trajectory: Trajectory, beside: tuple[Beside, ...] = ()) -> Iterator[Chart]:
+    """Yield the charts with other runs laid under.
+
+    Those of parts that the boat lacks are left out.
+    """
+    for make in (_depth, _clearance, _pitch, _stern, _bow, _course, _rudder, _speed, _air):
+        chart = make(trajectory)
+        if chart is not None:
+            end = float(trajectory.seconds[-1])
+            under = [line for run in beside for line in _under(run, make(run.trajectory), end)]
+            yield replace(chart, lines=(*under, *chart.lines))
+
+
+def _under(run: Beside, chart: Chart | None, end: float) -> Iterator[Line]:
+    """Yield what another run did, up to a time [s], as lines of one chart."""
+    done = [line for line in chart.lines if line.style in (ACTUAL, SECOND)] if chart else []
+    kept = run.trajectory.seconds <= end + 1e-6
+    for line in done:
+        which = "" if len(done) == 1 else f"{line.label}, "
+        seconds = run.trajectory.seconds[kept]
+        yield Line(f"{which}{run.label}", line.values[kept], run.style, seconds)
+
+
+def _depth(trajectory: Trajectory) -> Chart:
+    by_hand = trajectory.columns["stern_by_hand"] * trajectory.columns["bow_by_hand"] != 0.0
+    lines = (
+        Line("ordered", told_to_all(trajectory, "depth", "ordered_depth", by_hand), ORDERED),
+        Line("actual", trajectory.columns["z"], ACTUAL),
+    )
+    limits = _limits(trajectory, "depth_m")
+    return Chart("depth", "Depth", "m", lines, limits, downwards=True, least=6.0)
+
+
+def _clearance(trajectory: Trajectory) -> Chart | None:
+    """Return the chart of the water under the keel, None where there is no ground."""
+    if not trajectory.has("clearance"):
+        return None
+    under = trajectory.series("clearance")
+    lines = (Line("actual", np.where(np.isfinite(under), under, np.nan), ACTUAL),)
+    limits = _limits(trajectory, "clearance_m")
+    return Chart("clearance", "Water under the keel", "m", lines, limits, least=10.0)
+
+
+def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: Rows) -> Numbers:
+    """Return the order [SI] to the crew, or else to the autopilot at work.
+
+    A run without orders to the crew has what the autopilot is told all through.
+    """
+    crew, own = trajectory.ordered(axis), trajectory.columns[place]
+    if np.isnan(crew).all():
+        return own
+    return np.where(np.isnan(crew), np.where(by_hand, np.nan, own), crew)
+
+
+def _pitch(trajectory: Trajectory) -> Chart:
+    ordered = np.degrees(trajectory.ordered("pitch"))
+    lines = (
+        Line("heel, to starboard", np.degrees(trajectory.columns["phi"]), "second fine"),
+        *(() if np.isnan(ordered).all() else (Line("ordered", ordered, ORDERED),)),
+        Line("pitch, bow up", np.degrees(trajectory.columns["theta"]), ACTUAL),
+    )
+    levels = (*_limits(trajectory, "pitch_deg"), *_limits(trajectory, "heel_deg"))
+    both = tuple(Level(each.label, sign * each.value) for each in levels for sign in (1.0, -1.0))
+    return Chart("pitch", "Pitch and heel", "deg", lines, both, least=4.0)
+
+
+def _stern(trajectory: Trajectory) -> Chart | None:
+    return _surface(trajectory, "stern", "Stern planes, rise positive")
+
+
+def _bow(trajectory: Trajectory) -> Chart | None:
+    return _surface(trajectory, "bow", "Bow planes, rise positive")
+
+
+def _rudder(trajectory: Trajectory) -> Chart | None:
+    return _surface(trajectory, "rudder", "Rudder, right positive")
+
+
+def _surface(trajectory: Trajectory, surface: str, title: str) -> Chart | None:
+    """Return the chart of a surface, None of one that the boat lacks."""
+    if not trajectory.has(surface):
+        return None
+    lines = (
+        Line("ordered", commanded_angle(trajectory, surface), ORDERED),
+        Line("actual", np.degrees(trajectory.series(surface)), ACTUAL),
+    )
+    return Chart(surface, title, "deg", lines, least=10.0)
+
+
+def _course(trajectory: Trajectory) -> Chart:
+    heading = np.degrees(trajectory.columns["psi"])
+    by_hand = trajectory.columns["rudder_by_hand"] != 0.0
+    told = told_to_all(trajectory, COURSE, "ordered_psi", by_hand)
+    lines = (
+        Line("ordered", as_it_was_come_to(np.degrees(told), heading), ORDERED),
+        Line("actual", heading, ACTUAL),
+    )
+    steps: dict[str, Any] = {"least": 10.0, "steps": ANGLES, "number": _bearing}
+    return Chart("course", "Heading", "deg", lines, **steps)
+
+
+def as_it_was_come_to(ordered: Numbers, heading: Numbers) -> Numbers:
+    """Return ordered courses [deg], each all through beside the heading that it ended with.
+
+    Both are counted on, not wrapped; a boat that has gone round is whole turns from its order.
+    """
+    same = (ordered[1:] == ordered[:-1]) | (np.isnan(ordered[1:]) & np.isnan(ordered[:-1]))
+    ends = np.append(np.flatnonzero(~same), ordered.size - 1)
+    run = np.searchsorted(ends, np.arange(ordered.size))
+    off = (heading - ordered)[ends]
+    turns = np.where(np.abs(off) > NEARLY_ROUND, 360.0 * np.round(off / 360.0), 0.0)
+    return ordered + turns[run]
+
+
+def _bearing(angle: float) -> str:
+    return f"{round(angle) % 360:03d}"
+
+
+def _speed(trajectory: Trajectory) -> Chart:
+    column = trajectory.columns
+    kept = np.where(column["speed_by_hand"] == 0.0, column["ordered_speed"], np.nan)
+    crew = trajectory.ordered("speed")
+    kept = np.where(np.isnan(crew), kept, crew) / KNOT
+    lines = (
+        Line("ordered", kept, ORDERED),
+        Line("turns for", column["u_c"] / KNOT, "second fine"),
+        Line("actual", column["u"] / KNOT, ACTUAL),
+    )
+    return Chart("speed", "Speed", "kn", lines, _limits(trajectory, "speed_kn"), least=2.0)
+
+
+def _air(trajectory: Trajectory) -> Chart | None:
+    """Return the air left, if any was used."""
+    vessel = trajectory.boat.vessel
+    lines = []
+    for place, (bank, style) in enumerate(zip(BANKS, (ACTUAL, SECOND), strict=True)):
+        if full := float(vessel.bank_full[place]):
+            lines.append(Line(bank, 100.0 * trajectory.columns[f"bank_{bank}"] / full, style))
+    if not any(np.ptp(line.values) > USED for line in lines):
+        return None
+    return Chart("air", "Air banks, share of full", "%", tuple(lines), least=10.0)
+
+
+def commanded_angle(trajectory: Trajectory, surface: str) -> Numbers:
+    """Return the ordered angle [deg] of a surface, by hand or by the autopilot."""
+    column, letter = trajectory.columns, LETTERS[surface]
+    by_hand = column[f"{surface}_by_hand"] != 0.0
+    told = np.where(by_hand, column[f"ordered_{letter}"], column[f"command_{letter}"])
+    return np.degrees(told) * trajectory.boat.toward[surface]
+
+
+def _limits(trajectory: Trajectory, key: str) -> tuple[Level, ...]:
+    """Return the limits of the exercise that are about one thing."""
+    unit = LIMITED[key].unit
+    return tuple(
+        Level(
+            f"limit {getattr(trajectory.limits, name):g} {unit}", getattr(trajectory.limits, name)
+        )
+        for name in limits_of(trajectory)
+        if name.startswith(key)
+    )
+
+
+# The time line
+
+
+ROW, TOP, BOTTOM = 20.0, 8.0, 24.0  # [px]
+LABEL: Final = 24.0  # [px] that a label takes
+WASHED: Final = 10.0  # [s] under water, in which the periscope is still taken to show
+
+
+def draw_timeline(debrief: DebriefData, ground: Ground) -> Markup:
+    """Return the time line as an SVG element."""
+    rows = [*_casualties(debrief, ground), *_to_crew(debrief, ground), _orders(debrief, ground)]
+    rows += [*_reference(debrief, ground), _shown(debrief, ground)]
+    rows += [_calls(debrief, ground), _marks(debrief, ground)]
+    rows += _scores(debrief, ground)
+    shown = [row for row in rows if row]
+    bottom = TOP + ROW * len(shown)
+    parts = [*backdrop(ground, TOP, bottom, "timeline"), *time_axis(ground, bottom)]
+    for i, row in enumerate(shown):
+        parts.append(f'<g transform="translate(0 {TOP + i * ROW:g})">{row}</g>')
+    return svg("What happened when", (WIDTH, bottom + BOTTOM), parts)
+
+
+def _casualties(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+    """Yield a row for each casualty."""
+    for i, each in enumerate(debrief.casualties):
+        begin, end = (ground.across.at(second) for second in ground.spans[i])
+        name = f"C{i + 1} {each.episode.kind}"
+        bar = rect("bar", begin, 3.0, max(end - begin, 2.0), ROW - 6.0)
+        fits = end + LETTER * len(name) < WIDTH - RIGHT
+        words = (
+            text("tick", end + 4.0, 14.0, name) if fits else text("tick", LEFT + 4.0, 14.0, name)
+        )
+        yield bar + words + _heading("casualty" if i == 0 else "")
+
+
+def _orders(debrief: DebriefData, ground: Ground) -> str:
+    return _strokes([each.tick * debrief.step for each in debrief.crew], "crew", ground)
+
+
+def _reference(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+    """Yield the orders of the reference crew, a row for each of its runs."""
+    for run in runs_beside(debrief):
+        given = (each for each in run.trajectory.orders if each.who == CREW)
+        heading = run.label.removeprefix("reference ")
+        yield _strokes([each.tick * debrief.step for each in given], heading, ground)
+
+
+def _strokes(seconds: list[float], heading: str, ground: Ground) -> str:
+    """Return a row with a stroke for each moment of the run."""
+    style = "order" if heading == "crew" else "order-beside"
+    places = [ground.across.at(each) for each in seconds if each <= ground.across.high]
+    drawn = "".join(rule(style, x, 4.0, x, ROW - 4.0) for x in places)
+    return drawn and drawn + _heading(heading)
+
+
+def _to_crew(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+    """Yield the orders to the crew by their numbers in the table."""
+    ticks = [each.order.tick for each in debrief.read_backs]
+    named = [(tick, f"O{i}") for i, tick in enumerate(ticks, start=1)]
+    yield from _labelled(named, "ordered", debrief, ground)
+
+
+def _shown(debrief: DebriefData, ground: Ground) -> str:
+    """Return a row with a bar for each time that the periscope showed."""
+    seconds = debrief.trajectory.seconds[shown(debrief.trajectory)[0]]
+    if not seconds.size:
+        return ""
+    breaks = np.flatnonzero(np.diff(seconds) > WASHED) + 1
+    ends = ((each[0], each[-1] + debrief.step) for each in np.split(seconds, breaks))
+    places = [(ground.across.at(begin), ground.across.at(end)) for begin, end in ends]
+    bars = (rect("shown", begin, 5.0, max(end - begin, 2.0), ROW - 10.0) for begin, end in places)
+    return "".join(bars) + _heading("scope")
+
+
+def _calls(debrief: DebriefData, ground: Ground) -> str:
+    ticks = [ground.across.at(each.tick * debrief.step) for each in _drawn(debrief, "watch")]
+    drawn = "".join(text("call middle", x, 14.0, "x") for x in ticks)
+    return drawn and drawn + _heading("called")
+
+
+def _drawn(debrief: DebriefData, kind: str) -> tuple[Noted, ...]:
+    """Return the events of a kind that there is room for in a chart."""
+    return debrief.of_kind(kind)[:MAX_MARKS_DRAWN]
+
+
+def _marks(debrief: DebriefData, ground: Ground) -> str:
+    places = [ground.across.at(each.tick * debrief.step) for each in _drawn(debrief, "mark")]
+    return _labels(places, "M") and _labels(places, "M") + _heading("mark")
+
+
+def _scores(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+    """Yield the places of the scores by their numbers in the table."""
+    ticks = [
+        (each.attained.tick, f"S{i}")
+        for i, each in enumerate(debrief.card.scores, start=1)
+        if each.attained.tick is not None
+    ]
+    yield from _labelled(ticks, "score", debrief, ground)
+
+
+def _labelled(
+    ticks: list[tuple[int, str]], heading: str, debrief: DebriefData, ground: Ground
+) -> Iterator[str]:
+    """Yield as many rows as it takes for no label to lie on another."""
+    left = sorted((ground.across.at(tick * debrief.step), name) for tick, name in ticks)
+    heading = _heading(heading)
+    while left:
+        row, rest, end = "", [], 0.0
+        for x, name in left:
+            if x - end < LABEL:
+                rest.append((x, name))
+                continue
+            row, end = row + text("tick middle", x, 14.0, name), x
+        yield row + heading
+        left, heading = rest, ""
+
+
+def _labels(places: list[float], letter: str) -> str:
+    return "".join(
+        text("tick middle", x, 14.0, f"{letter}{i}") for i, x in enumerate(places, start=1)
+    )
+
+
+def _heading(words: str) -> str:
+    return text("tick end", LEFT - 6.0, 14.0, words)

@@ -1,0 +1,476 @@
+"""All that a debrief tells, gathered from a recording, and its figures for programs."""
+
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.boat.boat import Boat
+from trainer.boat.world.world import world_of
+from trainer.config.files import ConfigError
+from trainer.core.cache import same_core
+from trainer.debrief.changes import WIDTH, Change, changed_card, read_changes
+from trainer.debrief.episodes import (
+    Deflection,
+    Episode,
+    ReadBack,
+    answer_to,
+    crew_orders,
+    deflection,
+    meet,
+    read_backs,
+    spells,
+)
+from trainer.debrief.judgement import WIDTHS, Cost, dearest, judge, plain_marks
+from trainer.debrief.reference import (
+    Fault,
+    Reference,
+    can_fly,
+    first_fault,
+    fly_from,
+    fly_reference,
+)
+from trainer.debrief.rehearsal import CREW, Departure, fly
+from trainer.debrief.scoring import Scorecard, Scored, Verdict
+from trainer.debrief.trajectory import Trajectory, read_passage
+from trainer.io.recording.queries import Excess
+from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
+from trainer.session.header import layout_of, plan_of, trainees_of
+from trainer.session.history import recorded_world_orders, settle_world
+from trainer.session.plan import Plan
+
+GAP: Final = "not recorded"  # begins why a branch was begun that nobody wound back to
+ECHOES: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
+
+
+@dataclass(frozen=True)
+class Answered:
+    """A casualty, and what the crew did about it."""
+
+    episode: Episode
+    order: Journalled | None
+    deflection: Deflection | None
+
+
+@dataclass(frozen=True)
+class Hand:
+    """One that gave orders, and how many."""
+
+    who: str
+    orders: int
+    refused: int
+
+
+@dataclass(frozen=True)
+class Ticks:
+    """The counts of the ticks that were timed. Times are in ns, None without any."""
+
+    timed: int
+    duty_cycle: float | None  # [-]
+    work: tuple[float, float, float] | None  # median, 99 %, most
+    lateness: tuple[float, float, float] | None
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A run beside that of the reference crew."""
+
+    reference: Reference
+    fault: Fault | None  # where the run went wrong
+    from_here: Reference | None  # the reference crew from a recorded moment on
+
+
+@dataclass(frozen=True)
+class DebriefData:
+    """Everything about one branch of a recording with its past."""
+
+    source: Path
+    header: Mapping[str, str]
+    plan: Plan
+    branch: Branch
+    branches: tuple[tuple[Branch, int], ...]  # each with its last tick
+    trajectory: Trajectory
+    card: Scorecard
+    casualties: tuple[Answered, ...]
+    crew: tuple[Journalled, ...]
+    hands: tuple[Hand, ...]
+    events: tuple[Noted, ...]  # of this past, without those that repeat an order
+    ticks: Ticks
+    width: str = "qualified"  # of the bands, as it was judged first
+    practice: str = ""  # why it is none of the record: it was wound back
+    trainees: tuple[str, ...] = ()
+    read_backs: tuple[ReadBack, ...] = ()
+    changes: tuple[Change, ...] = ()  # of the instructor's
+    changed: Scorecard | None = None  # the marks after them
+    compared: Compared | None = None
+    excess: tuple[Excess, ...] = ()  # of what the recording has more than was read
+
+    @property
+    def title(self) -> str:
+        """Return what was flown."""
+        return self.plan.title or "A run without an exercise"
+
+    @property
+    def step(self) -> float:
+        """Return the time [s] from tick to tick."""
+        return self.plan.method.step
+
+    @property
+    def final(self) -> Scorecard:
+        """Return the marks that count: those that the instructor has changed, if any."""
+        return self.changed or self.card
+
+    @property
+    def total(self) -> float | None:
+        """Return the marks of all [%], None where nothing counts or the run is free."""
+        return self.final.total
+
+    @property
+    def free(self) -> bool:
+        """Return whether the run is flown without marks."""
+        return bool(self.final.verdict and self.final.verdict.free)
+
+    @property
+    def costs(self) -> tuple[Cost, ...]:
+        """Return what cost most of the marks that count."""
+        return dearest(self.final, self.compared.reference.card if self.compared else None)
+
+    def of_kind(self, *kinds: str) -> tuple[Noted, ...]:
+        """Return the events of these kinds."""
+        return tuple(event for event in self.events if event.kind in kinds)
+
+
+def gather(
+    recording: Recording, source: Path, number: int | None, width: str | None = None
+) -> DebriefData:
+    """Return the dossier of a branch at a width. None: the latest branch, its own width.
+
+    ConfigError if the header cannot be read or there is no such branch.
+    """
+    header = recording.header()
+    width = width or width_of(header)
+    branches = recording.branches()
+    branch = find_branch(branches, source, number)
+    wanted = branch.id
+    plan = plan_of(header)
+    boat = Boat(plan.file, plan.method)
+    boat.world = world_of(boat, plan.around)
+    settle_world(boat, recording, wanted, sys.maxsize)
+    events = tuple(events_of(recording, branches, branch))
+    trajectory = replace(
+        read_passage(recording, wanted, layout_of(header), boat, plan.limits),
+        marks=tuple(each for each in events if each.kind == "mark"),
+    )
+    changes = tuple(each for each in read_changes(source) if each.branch == wanted)
+    nobody = {
+        each: nobody_aboard(plan, header, each)
+        for each in {width, *(change.what for change in changes if change.name == WIDTH)}
+    }
+    return DebriefData(
+        source=source,
+        header=header,
+        plan=plan,
+        branch=branch,
+        branches=tuple((each, last_tick(recording, each)) for each in branches),
+        trajectory=trajectory,
+        card=judge(trajectory, plan, nobody[width], width),
+        casualties=tuple(pair_answers(trajectory)),
+        crew=crew_orders(trajectory),
+        hands=hands(trajectory),
+        events=events,
+        ticks=ticks_of(trajectory),
+        width=width,
+        practice=practice_of(plan, branches, branch),
+        trainees=trainees_of(header),
+        read_backs=read_backs(trajectory),
+        changes=changes,
+        changed=changed_card(trajectory, plan, nobody, width, changes) if changes else None,
+        excess=recording.excess(),
+    )
+
+
+def find_branch(branches: list[Branch], source: Path, number: int | None) -> Branch:
+    """Return a branch by its number, the latest for None. ConfigError if there is none such."""
+    wanted = branches[-1].id if number is None else number
+    branch = next((each for each in branches if each.id == wanted), None)
+    if branch is None:
+        there = f"1 to {branches[-1].id}" if len(branches) > 1 else "1 only"
+        raise ConfigError(f"{source}: --branch {wanted}: there are branches {there}")
+    return branch
+
+
+def compared(
+    debrief: DebriefData, recording: Recording, seconds: float | None = None
+) -> DebriefData:
+    """Return a dossier with the reference crew's run beside. As it was for an exercise without.
+
+    With ``seconds`` the reference crew also takes over there. ConfigError if it cannot.
+    """
+    plan, width = debrief.plan, debrief.width
+    reference = fly_reference(plan, debrief.card, width)
+    if reference is None:
+        if seconds is not None:
+            raise ConfigError("--reference-from: this exercise has no reference crew and no end")
+        return debrief
+    fault = None
+    if not debrief.free:
+        fault = first_fault(debrief.trajectory, debrief.card, reference, plan, width)
+    from_here = None
+    if seconds is not None:
+        departure = departure_at(debrief, recording, reference, seconds)
+        from_here = fly_from(debrief.trajectory, plan, departure, debrief.card, width)
+    return replace(debrief, compared=Compared(reference, fault, from_here))
+
+
+def departure_at(
+    debrief: DebriefData, recording: Recording, reference: Reference, seconds: float
+) -> Departure:
+    """Return the recorded moment at a time [s]; ConfigError if there is none."""
+    last = int(debrief.trajectory.ticks[-1])
+    tick = round(seconds / debrief.step)
+    moment = recording.moment(debrief.branch.id, tick) if 0 <= tick < last else None
+    if moment is None:
+        end = last * debrief.step
+        raise ConfigError(
+            f"--reference-from {seconds:g}: not within the record, which is of 0 to {end:g} s"
+        )
+    own = set(map(id, debrief.plan.own_schedule))
+    place = sum(id(entry) in own for entry in debrief.plan.schedule[: moment.place])
+    to_world = recorded_world_orders(recording, moment.branch, moment.after)
+    moment = replace(moment, place=place)  # in the schedule without the orders of --orders
+    return Departure(moment, layout_of(debrief.header), reference.rehearsal.times, to_world)
+
+
+def width_of(header: Mapping[str, str]) -> str:
+    """Return the width that a run was begun with."""
+    width = header.get("width", "qualified")
+    return width if width in WIDTHS else "qualified"
+
+
+def practice_of(plan: Plan, branches: list[Branch], branch: Branch) -> str:
+    """Return how a run was wound back. "": it was not, or to its start alone."""
+    wound = (each for each in _ancestry(branches, branch) if each.tick > 0)
+    return next(
+        (
+            f"{each.why}, to {each.tick * plan.method.step:g} s"
+            for each in wound
+            if plan.judged_by_tasks and not each.why.startswith(GAP)
+        ),
+        "",
+    )
+
+
+def _ancestry(branches: list[Branch], branch: Branch) -> Iterator[Branch]:
+    """Yield a branch and those that it came from."""
+    by_number = {each.id: each for each in branches}
+    here: Branch | None = branch
+    while here is not None:
+        yield here
+        here = None if here.parent is None else by_number.get(here.parent)
+
+
+def nobody_aboard(plan: Plan, header: Mapping[str, str], width: str) -> Mapping[str, float]:
+    """Return the marks of each rule with nobody aboard, by its name.
+
+    They are flown at the seed of the record, or by another core those that are kept.
+    """
+    if not plan.judged_by_tasks:
+        return {}
+    if can_fly(plan) and same_core(header.get("core")):
+        return plain_marks(fly(plan.alone()).trajectory, plan, width)
+    return plan.baseline.marks if plan.baseline else {}
+
+
+def last_tick(recording: Recording, branch: Branch) -> int:
+    """Return the last tick recorded of a branch."""
+    return max((tick for tick, _ in recording.states(branch.id)), default=branch.tick)
+
+
+def pair_answers(trajectory: Trajectory) -> Iterator[Answered]:
+    """Yield the casualties with what was done about them."""
+    for episode in spells(trajectory):
+        yield Answered(episode, answer_to(trajectory, episode), deflection(trajectory, episode))
+
+
+def hands(trajectory: Trajectory) -> tuple[Hand, ...]:
+    """Return who gave orders, in the order in which they began to."""
+    found = []
+    for who in dict.fromkeys(each.who for each in trajectory.orders):
+        own = [each for each in trajectory.orders if each.who == who]
+        found.append(Hand(who, len(own), sum(each.accepted is False for each in own)))
+    return tuple(found)
+
+
+def events_of(recording: Recording, branches: list[Branch], branch: Branch) -> Iterator[Noted]:
+    """Yield the events of a branch and of its past, up to each next beginning."""
+    ends: dict[int, int | None] = {}
+    end: int | None = None
+    for here in _ancestry(branches, branch):
+        ends[here.id] = end
+        end = here.tick
+    for event in recording.first_events():
+        if event.branch not in ends or event.kind in ECHOES:
+            continue
+        last = ends[event.branch]
+        if last is None or event.tick <= last:
+            yield event
+
+
+def ticks_of(trajectory: Trajectory) -> Ticks:
+    """Return what became of the ticks."""
+    timed = ~np.isnan(trajectory.work)
+    count = int(timed.sum())
+    if not count:
+        return Ticks(0, None, None, None)
+    work, lateness = trajectory.work[timed], np.maximum(trajectory.lateness[timed], 0.0)
+    duty = float(work.sum()) / (count * trajectory.boat.method.step * 1e9)
+    return Ticks(count, duty, _spread(work), _spread(lateness))
+
+
+def _spread(values: np.ndarray) -> tuple[float, float, float]:
+    median, most_of_them = np.percentile(values, (50.0, 99.0))
+    return float(median), float(most_of_them), float(values.max())
+
+
+# Figures for programs
+
+
+def figures(debrief: DebriefData) -> dict[str, Any]:
+    """Return what the page tells in numbers; times in s, marks in per cent."""
+    step = debrief.step
+    return {
+        "exercise": debrief.plan.title,
+        "vessel": debrief.plan.file.name,
+        "started": debrief.header.get("started"),
+        "branch": debrief.branch.id,
+        "branches": [
+            {"branch": each.id, "parent": each.parent, "tick": each.tick, "last": last}
+            | {"why": each.why}
+            for each, last in debrief.branches
+        ],
+        "trainees": list(debrief.trainees),
+        "seed": debrief.plan.seed,
+        "width": debrief.width,
+        "by_hand": list(debrief.plan.hand),
+        "practice": bool(debrief.practice),
+        "seconds": float(debrief.trajectory.seconds[-1]),
+        "total": debrief.total,
+        "deviation": deviation_of(debrief),
+        "verdict": _verdict(debrief.card.verdict),
+        "cost_most": [asdict(each) for each in debrief.costs],
+        **_compared(debrief),
+        "changes": [asdict(each) | {"branch": int(each.branch)} for each in debrief.changes],
+        "changed": debrief.changed and _card(debrief.changed, step),
+        "scores": [_score(each, step) for each in debrief.card.scores],
+        "orders_to_crew": [_read_back(each, step) for each in debrief.read_backs],
+        "casualties": [_casualty(each, step) for each in debrief.casualties],
+        "ships": [
+            {"name": name, "closest_m": apart, "seconds": tick * step}
+            for name, (apart, tick) in meet(debrief.trajectory).closest.items()
+        ],
+        "marks": [
+            {"seconds": each.tick * step, "remark": each.text, "by": each.who}
+            for each in debrief.of_kind("mark")
+        ],
+        "ticks": asdict(debrief.ticks),
+        "left_out": [asdict(each) for each in debrief.excess],
+    }
+
+
+def _seconds(tick: int | None, step: float) -> float | None:
+    return None if tick is None else tick * step
+
+
+def _verdict(verdict: Verdict | None) -> dict[str, Any] | None:
+    """Return how an exercise ended, None for one whose marks are a plain mean."""
+    return None if verdict is None else asdict(verdict)
+
+
+def _score(each: Scored, step: float) -> dict[str, Any]:
+    """Return a rule and how it was met."""
+    return {
+        "name": each.name,
+        "measure": each.rule.score.measure,
+        "value": each.attained.value,
+        "unit": each.unit,
+        "why": each.attained.why,
+        "marks": each.marks,
+        "part": each.rule.part,
+        "nobody": each.nobody,
+        "earned": each.earned,
+        "weight": each.rule.weight,
+        "tick": each.attained.tick,
+        "seconds": _seconds(each.attained.tick, step),
+        "formula": each.formula,
+    }
+
+
+def _casualty(each: Answered, step: float) -> dict[str, Any]:
+    """Return a casualty and what was done about it."""
+    return {
+        "kind": each.episode.kind,
+        "begun_s": each.episode.begun * step,
+        "ended_s": _seconds(each.episode.ended, step),
+        "order": each.order and each.order.text,
+        "order_by": each.order and each.order.who,
+        "order_s": each.order and each.order.tick * step,
+        "deflected": each.deflection and each.deflection.surface,
+        "deflected_s": each.deflection and each.deflection.tick * step,
+    }
+
+
+def deviation_of(debrief: DebriefData) -> float | None:
+    """Return the standard deviation of a mark by the sea alone [%]. None: none is known."""
+    kept = debrief.plan.baseline
+    if kept is None or kept.crew is None or kept.heading.seeds < 2:
+        return None
+    return kept.crew.deviation
+
+
+def _compared(debrief: DebriefData) -> dict[str, Any]:
+    """Return the reference crew's run, and where this one went wrong beside it."""
+    found, step = debrief.compared, debrief.step
+    if found is None:
+        return {"reference": None, "went_wrong": None, "reference_from": None}
+    fault = found.fault and asdict(found.fault) | {"seconds": found.fault.tick * step}
+    return {
+        "reference": _reference(found.reference, step),
+        "went_wrong": fault,
+        "reference_from": found.from_here and _reference(found.from_here, step),
+    }
+
+
+def _reference(each: Reference, step: float) -> dict[str, Any]:
+    """Return a run of the reference crew: its marks, and its orders."""
+    orders = [
+        {"seconds": order.tick * step, "order": order.text}
+        for order in each.trajectory.orders
+        if order.who == CREW
+    ]
+    return {"from_s": each.since, **_card(each.card, step), "orders": orders}
+
+
+def _card(card: Scorecard, step: float) -> dict[str, Any]:
+    """Return the marks of a run."""
+    return {
+        "total": card.total,
+        "verdict": _verdict(card.verdict),
+        "scores": [_score(each, step) for each in card.scores],
+    }
+
+
+def _read_back(each: ReadBack, step: float) -> dict[str, Any]:
+    """Return an order to the crew and what came of it."""
+    return {
+        "order": each.told,
+        "axis": each.axis,
+        "seconds": each.order.tick * step,
+        "by": each.order.who,
+        "repeated_by": each.repeated and each.repeated.who,
+        "repeated_s": each.repeated and each.repeated.tick * step,
+        "wrong_repeats": list(each.wrong),
+        "carried_out_s": _seconds(each.carried_out, step),
+    }

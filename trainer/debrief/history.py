@@ -1,0 +1,440 @@
+"""Recordings and their trainees: the list, a trainee's history, a name forgotten.
+
+What a recording came to is computed once and kept beside it: drill.marks.json beside
+drill.trainer. It may be removed at any time; names stand in the recordings alone.
+"""
+
+import json
+import re
+import shutil
+import statistics
+import sys
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import click
+import numpy as np
+from markupsafe import escape
+
+from trainer import __version__
+from trainer.config.files import ConfigError, nearest, quote
+from trainer.debrief.changes import changes_path, read_changes, write_changes
+from trainer.debrief.data import DebriefData, gather
+from trainer.debrief.page import BADGE, HEAD
+from trainer.io.atomic_write import write_whole
+from trainer.io.lines import plain
+from trainer.io.paths import SUFFIX, recordings_folder
+from trainer.io.recording.file import RecordingError, erase
+from trainer.io.recording.queries import Excess
+from trainer.session.header import TRAINEES, looking, reading, trainees_of
+
+MARKS: Final = ".marks.json"  # ends the name of the file
+SCHEMA: Final = "marks/1"
+LAST: Final = 3  # attempts whose mean is told
+NARROWEST: Final = 60  # [columns] that a line of the list needs
+MAX_QUICK_BYTES: Final = 10_000_000  # of a recording that is judged in its turn in the list
+
+
+@dataclass(frozen=True)
+class Came:
+    """The result of a recording."""
+
+    exercise: str  # its title, "" without one
+    seed: int
+    width: str
+    outcome: str  # "" where nothing decides it
+    total: float | None  # [%] None: no marks
+    counts: bool  # neither free nor practice
+    changed: bool  # by the instructor
+
+
+KINDS: Final[Mapping[str, Any]] = {  # of what is kept
+    **dict.fromkeys(("exercise", "width", "outcome"), str),
+    **dict.fromkeys(("counts", "changed"), bool),
+    "seed": int,
+    "total": float | int | None,
+}
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A recording as it is listed."""
+
+    path: Path
+    started: str
+    trainees: tuple[str, ...]
+    came: Came | None
+    trouble: str = ""  # why it cannot be read
+    excess: tuple[Excess, ...] = ()  # of what it has more than is read
+
+
+@dataclass(frozen=True)
+class Attempts:
+    """The history of a trainee in one exercise at one width, the oldest first."""
+
+    exercise: str
+    width: str
+    attempts: int
+    seeds: tuple[int, ...]
+    marks: tuple[float, ...]  # [%] of those that count
+
+    @property
+    def mean(self) -> float | None:
+        """Return the mean of the last marks, None without any."""
+        return statistics.fmean(self.marks[-LAST:]) if self.marks else None
+
+
+def recordings_in(places: Iterable[Path]) -> Iterator[Path]:
+    """Yield the recordings in folders, and those named, the newest first; ConfigError."""
+    found: list[tuple[float, Path]] = []
+    for place in places:
+        inside = place.glob(f"*{SUFFIX}") if place.is_dir() else iter((place,))
+        try:
+            found += [(path.stat().st_mtime, path) for path in inside]
+        except OSError as error:
+            raise ConfigError(f"{place}: {error.strerror}") from None
+    yield from (path for _, path in sorted(found, key=lambda each: each[0], reverse=True))
+
+
+def latest() -> Path:
+    """Return the recording that was written last; ConfigError, saying what to do, without any."""
+    folder = recordings_folder()
+    found = next(recordings_in([folder] if folder.is_dir() else []), None)
+    if found is None:
+        raise ConfigError(
+            f"--last: no recording is in {folder}: trainer run EXERCISE makes one, or name a FILE"
+        )
+    return found
+
+
+def listed(path: Path) -> Listed:
+    """Return a recording as it is listed; one that cannot be read says why."""
+    try:
+        with looking(path) as recording:
+            header, excess = recording.header(), recording.excess()
+    except ConfigError as wrong:
+        return Listed(path, "", (), None, str(wrong))
+    started, names = header.get("started", ""), trainees_of(header)
+    try:
+        return Listed(path, started, names, kept(path) or computed(path), "", excess)
+    except ConfigError as wrong:
+        return Listed(path, started, names, None, str(wrong), excess)
+
+
+def is_quick(path: Path) -> bool:
+    """Return whether a recording is listed at once: judged before, or small."""
+    return path.stat().st_size <= MAX_QUICK_BYTES or kept(path) is not None
+
+
+def kept(path: Path) -> Came | None:
+    """Return the result kept beside a recording. None: it is of another state."""
+    try:
+        found = json.loads(marks_path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
+    if not isinstance(found, dict) or found.get("of") != stamp(path):
+        return None
+    came = found.get("came")
+    if not isinstance(came, dict) or came.keys() != KINDS.keys():
+        return None
+    good = all(isinstance(came[name], kind) for name, kind in KINDS.items())
+    return Came(**came) if good else None
+
+
+def computed(path: Path) -> Came:
+    """Return what a recording came to, and keep it where that can be; ConfigError."""
+    with np.errstate(all="ignore"), reading(path) as recording:
+        came = came_of(gather(recording, path, None))
+    if not _beside(path, "-wal").exists():  # else it is being written
+        text = json.dumps({"of": stamp(path), "came": asdict(came)}, indent=1)
+        try:
+            write_whole(marks_path(path), text + "\n")
+        except OSError:  # a folder that is not ours
+            return came
+    return came
+
+
+def came_of(debrief: DebriefData) -> Came:
+    """Return what a run came to, as the instructor has changed it."""
+    verdict = debrief.final.verdict
+    return Came(
+        exercise=debrief.plan.title,
+        seed=debrief.plan.seed,
+        width=debrief.width,
+        outcome=verdict.outcome if verdict else "",
+        total=debrief.total,
+        counts=not (debrief.free or debrief.practice),
+        changed=debrief.changed is not None,
+    )
+
+
+def stamp(path: Path) -> dict[str, Any]:
+    """Return the marks by which a changed recording, change file or program is noticed."""
+    state = path.stat()
+    try:
+        changes = changes_path(path).stat().st_mtime_ns
+    except OSError:
+        changes = None
+    return {
+        "schema": SCHEMA,
+        "trainer": __version__,
+        "size": state.st_size,
+        "mtime_ns": state.st_mtime_ns,
+        "changes_ns": changes,
+    }
+
+
+def marks_path(recording: Path) -> Path:
+    """Return where it is kept what a recording came to: beside it."""
+    return recording.with_name(f"{recording.stem}{MARKS}")
+
+
+def _beside(path: Path, ending: str) -> Path:
+    return path.with_name(path.name + ending)
+
+
+# Trainees
+
+
+def folded(name: str) -> str:
+    """Return a name as names are compared."""
+    return " ".join(name.split()).casefold()
+
+
+def of_trainee(found: Sequence[Listed], name: str) -> list[Listed]:
+    """Return the recordings of a trainee; ConfigError naming the nearest if there are none."""
+    own = [each for each in found if folded(name) in map(folded, each.trainees)]
+    if not own:
+        names = sorted({each for one in found for each in one.trainees})
+        raise ConfigError(
+            f"--trainee {quote(name)}: no recording has that name{nearest(name, names)}; "
+            "trainer run EXERCISE --trainee NAME keeps one"
+        )
+    return own
+
+
+def history(own: Iterable[Listed]) -> list[Attempts]:
+    """Return what a trainee has done, by exercise and width; recordings come newest first."""
+    by_kind: dict[tuple[str, str], list[Came]] = {}
+    for each in own:
+        if each.came is not None:
+            by_kind.setdefault((each.came.exercise, each.came.width), []).insert(0, each.came)
+    return [
+        Attempts(
+            exercise or "without an exercise",
+            width,
+            len(came),
+            tuple(sorted({each.seed for each in came})),
+            tuple(each.total for each in came if each.counts and each.total is not None),
+        )
+        for (exercise, width), came in sorted(by_kind.items())
+    ]
+
+
+# A name forgotten
+
+
+REMOVED: Final = "(name removed)"
+
+
+def forget(name: str, recordings: Iterable[Path]) -> Iterator[str]:
+    """Remove a name everywhere, and yield what was done; ConfigError if no recording has it."""
+    names: set[str] = set()
+    done, left = 0, []
+    for path in recordings:
+        try:
+            with looking(path) as recording:
+                trainees = trainees_of(recording.header())
+        except ConfigError:  # it is no recording, or damaged: it is not ours to change
+            continue
+        names.update(trainees)
+        if folded(name) not in map(folded, trainees):
+            continue
+        try:
+            yield from _forget(name, path, trainees)
+            done += 1
+        except (ConfigError, RecordingError) as wrong:
+            left.append(str(wrong))
+    if left:
+        raise ConfigError(*(f"--forget: the name is still in it: {each}" for each in left))
+    if not done:
+        raise ConfigError(
+            f"--forget {quote(name)}: no recording has that name{nearest(name, names)}"
+        )
+
+
+def _forget(name: str, path: Path, trainees: tuple[str, ...]) -> Iterator[str]:
+    """Remove a name from one recording and from what is beside it."""
+    others = [each for each in trainees if folded(each) != folded(name)]
+    without = _remover(name)
+    remarks = erase(path, {TRAINEES: json.dumps(others) if others else None}, without)
+    marks_path(path).unlink(missing_ok=True)  # it is of another state of the recording
+    changes = read_changes(path)
+    if changes:
+        write_changes(path, [replace(each, reason=without(each.reason)) for each in changes])
+    told = f"; also from {remarks} remark{'s' if remarks > 1 else ''}" if remarks else ""
+    yield f"{path}: the name is removed{told}"
+    yield from _pages(name, path)
+
+
+def _remover(name: str) -> Callable[[str], str]:
+    """Return what takes a name out of a text; a number alone stays, it may be any."""
+    if not re.search(r"[^\W\d_]", name):
+        return lambda text: text
+    words = r"\s+".join(re.escape(word) for word in name.split())
+    found = re.compile(rf"(?<!\w){words}(?!\w)", re.IGNORECASE)
+    return lambda text: found.sub(REMOVED, text)
+
+
+def _pages(name: str, path: Path) -> Iterator[str]:
+    """Remove the debriefs beside a recording that show a name; yield which, and what may."""
+    shown = folded(str(escape(name)))
+    for page in sorted(path.parent.glob(f"{_literal(path.stem)}*.html")):
+        text = page.read_text(encoding="utf-8", errors="replace")
+        if BADGE in text[:HEAD] and shown in folded(text):
+            page.unlink()
+            yield f"{page}: removed, it showed the name; trainer debrief makes it anew"
+    for printed in sorted(path.parent.glob(f"{_literal(path.stem)}*.pdf")):
+        yield f"{printed}: may show the name: look, and remove it"
+
+
+def _literal(stem: str) -> str:
+    """Return a name as a pattern of files that matches it alone."""
+    return re.sub(r"([*?[])", r"[\1]", stem)
+
+
+# As printed
+
+
+def found_in(places: Sequence[Path]) -> list[Path]:
+    """Return the recordings in places, or in the recordings' folder, the newest first."""
+    folder = recordings_folder()
+    return list(recordings_in(places or ([folder] if folder.is_dir() else [])))
+
+
+def print_list(places: Sequence[Path], *, as_json: bool) -> None:
+    """Print the recordings, each as soon as it is known; what takes long comes last."""
+    found = sorted(found_in(places), key=is_quick, reverse=True)
+    if as_json:
+        click.echo(json.dumps(as_figures(map(listed, found)), indent=1))
+        return
+    if not found:
+        where = ", ".join(map(str, places)) or recordings_folder()
+        click.echo(f"no recording is in {where}: trainer run EXERCISE makes one")
+    for line in list_lines(map(listed, found), _columns()):
+        click.echo(plain(line))
+
+
+def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
+    """Print what a trainee has done; ConfigError if there is nothing of that name."""
+    own = history(of_trainee(list(map(listed, found_in(places))), name))
+    if as_json:
+        click.echo(json.dumps(history_figures(own), indent=1))
+        return
+    click.echo("\n".join(map(plain, history_lines(own))))
+
+
+def print_forgotten(places: Sequence[Path], name: str) -> None:
+    """Remove a name and print where; ConfigError if it is nowhere, or cannot be removed."""
+    for line in forget(name, found_in(places)):
+        click.echo(line)
+
+
+def _columns() -> int | None:
+    """Return the width of the terminal that is written to; None if it is none."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+
+
+def list_lines(found: Iterable[Listed], columns: int | None = None) -> Iterator[str]:
+    """Yield a line for each recording: when, what, who, and what it came to.
+
+    Exercise, names and file are shortened with an ellipsis to fit ``columns``; None: nothing is.
+    """
+    width = None if columns is None else max(columns, NARROWEST)
+    for each in found:
+        if each.came is not None:
+            yield _row(each, each.came, width)
+            continue
+        line = f"{_day(each.started):16}  {each.path.name}: cannot be read: {each.trouble}"
+        yield from [line] if width is None else _wrapped(line, width)
+
+
+def _row(each: Listed, came: Came, width: int | None) -> str:
+    """Return the line of a recording that can be read, in ``width`` columns if there is one."""
+    star = "*" if came.changed else ""
+    free = "" if came.counts else " (practice or free)"
+    free += "".join(f" ({one})" for one in each.excess)
+    exercise, who = came.exercise or "-", ", ".join(each.trainees) or "-"
+    result = f"{came.outcome or '-':11}  {_mark(came.total):>4}{star:1}"
+    day = f"{_day(each.started):16}"
+    if width is None:
+        return f"{day}  {exercise:26}  {result}  {who}  {each.path.name}{free}"
+    place = width // 5  # of the exercise
+    head = f"{day}  {shortened(plain(exercise), place):{place}}  {result}  "
+    tail = [who, each.path.name, free.strip()] if free else [who, each.path.name]
+    return head + "  ".join(fitted(tail, width - len(head)))
+
+
+def _wrapped(line: str, width: int) -> list[str]:
+    """Return a long line as lines of that width [columns], names of files in one piece."""
+    return textwrap.wrap(plain(line), width, subsequent_indent=" " * 18, break_on_hyphens=False)
+
+
+def shortened(text: str, most: int) -> str:
+    """Return a text in ``most`` characters, one at least; an ellipsis ends what is cut."""
+    return text if len(text) <= most else f"{text[: most - 1].rstrip()}…"
+
+
+def fitted(texts: Iterable[str], room: int) -> list[str]:
+    """Return texts that fit ``room`` [columns] with two between them; the longest are cut."""
+    whole = [plain(text) for text in texts]
+    left = room - 2 * (len(whole) - 1)
+    most = left
+    for done, size in enumerate(sorted(map(len, whole))):
+        most = left // (len(whole) - done)
+        if size > most:
+            break
+        left -= size
+    return [shortened(text, max(most, 1)) for text in whole]
+
+
+def history_lines(found: Iterable[Attempts]) -> Iterator[str]:
+    """Yield the history of a trainee, a line for each exercise."""
+    yield f"{'exercise':28}  {'width':9}  mean of last {LAST}  attempts  seeds"
+    for each in found:
+        seeds = ", ".join(map(str, each.seeds))
+        yield (
+            f"{each.exercise:28}  {each.width:9}  {_mark(each.mean):>14}  "
+            f"{each.attempts:8}  {seeds}"
+        )
+
+
+def as_figures(found: Iterable[Listed]) -> list[dict[str, Any]]:
+    """Return recordings for programs."""
+    return [
+        {
+            "file": str(each.path),
+            "started": each.started,
+            "trainees": list(each.trainees),
+            "trouble": each.trouble,
+            "left_out": [asdict(one) for one in each.excess],
+            **(asdict(each.came) if each.came else {}),
+        }
+        for each in found
+    ]
+
+
+def history_figures(found: Iterable[Attempts]) -> list[dict[str, Any]]:
+    """Return a trainee's history for programs."""
+    return [asdict(each) | {"mean_of_last": each.mean} for each in found]
+
+
+def _day(started: str) -> str:
+    return started[:16].replace("T", " ")
+
+
+def _mark(total: float | None) -> str:
+    return "-" if total is None else f"{total:.0f}"

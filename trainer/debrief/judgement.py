@@ -1,0 +1,360 @@
+"""Marks of an exercise by hand: tasks less nobody aboard, keeping, the gate. Won, lost or neither.
+
+With t of a task = 100 max(0, (p - b) / (100 - b)), p its marks and b those with nobody aboard, an
+answer's times the mean of the other tasks, and T and K the means of tasks and of what was kept:
+total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken or the boat was laid down badly,
+25 where the exercise was lost, 0 where the boat was hard aground.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from trainer.boat.depths import lowest_depth
+from trainer.boat.limits import BEYOND
+from trainer.config.condition import Loss
+from trainer.config.score_rules import Rule, Score
+from trainer.debrief.episodes import SCHEDULE, groundings, meet, name_of
+from trainer.debrief.measures import limits_of, rows_beyond
+from trainer.debrief.scoring import Scorecard, Scored, Verdict, score
+from trainer.debrief.trajectory import Rows, Trajectory
+from trainer.report.svg import clock
+from trainer.session.plan import Plan
+
+GATE_S: Final = 2.0  # [s] for which a limit is broken
+GATE_CAP, LOST_CAP, HARD_CAP = 50.0, 25.0, 0.0  # [%] most that is left
+TURNED_PITCH, TURNED_HEEL = np.radians(45.0), np.radians(60.0)  # [rad] beyond: turned over
+ENOUGH: Final = 50.0  # [%] of a task that is carried out
+SETTLED: Final = 80.0  # [%] of the time
+KEPT_SHARE: Final = 0.3  # of the total, by how the boat was kept
+WIDTHS: Final[Mapping[str, float]] = {"qualified": 1.0, "basic": 1.5}
+FREEING: Final = frozenset({"allow", "casualty"})  # orders after which there are no marks
+MOST_NOBODY: Final = 50.0  # [%] a task worth having gives with nobody aboard
+
+
+def judge(
+    trajectory: Trajectory, plan: Plan, nobody: Mapping[str, float], width: str = "qualified"
+) -> Scorecard:
+    """Return the marks of a plan's rules. ``nobody`` has those with nobody aboard, by name [%]."""
+    rules = widened(plan.scores, width)
+    if not plan.judged_by_tasks:
+        return score(trajectory, rules)
+    scores = tuple(_less_nobody(_flown(each), nobody) for each in score(trajectory, rules).scores)
+    scores = tuple(_answered(each, scores) for each in scores)
+    tasks = _mean([(each.rule.weight, each.earned) for each in scores if each.earned is not None])
+    kept = [
+        (each.rule.weight, each.marks)
+        for each in scores
+        if each.rule.part == "keeping" and each.marks is not None
+    ]
+    keeping = _mean(kept) if kept else 100.0
+    verdict = _verdict(trajectory, plan, scores, (tasks, keeping))
+    total = tasks * (1.0 - KEPT_SHARE + KEPT_SHARE * keeping / 100.0)
+    total = total if verdict.cap is None else min(total, verdict.cap)
+    return Scorecard(scores, None if verdict.void or verdict.free else total, verdict)
+
+
+def plain_marks(trajectory: Trajectory, plan: Plan, width: str = "qualified") -> dict[str, float]:
+    """Return the marks of each rule by name [%], with nothing taken off.
+
+    With nobody aboard they are all b.
+    """
+    scores = score(trajectory, widened(plan.scores, width)).scores
+    return {each.name: each.marks or 0.0 for each in scores}
+
+
+def widened(rules: tuple[Rule, ...], width: str) -> tuple[Rule, ...]:
+    """Return the rules at a width. Bands, and the way from full to zero, are so much wider."""
+    factor = WIDTHS[width]
+    if factor == 1.0:
+        return rules
+    return tuple(replace(rule, score=_wider(rule.score, factor)) for rule in rules)
+
+
+def _wider(said: Score, factor: float) -> Score:
+    band = None if said.band is None else factor * said.band
+    return replace(said, band=band, zero=said.full + factor * (said.zero - said.full))
+
+
+def _flown(each: Scored) -> Scored:
+    """Return a score; a task whose time the record does not reach has earned nothing."""
+    early = each.marks is None and each.attained.why.startswith("the record ends")
+    return replace(each, marks=0.0) if early else each
+
+
+def _less_nobody(each: Scored, nobody: Mapping[str, float]) -> Scored:
+    """Return a score with what it earned beyond nobody aboard.
+
+    Where nobody gets more than MOST_NOBODY, at this seed, there is nothing to be earned.
+    """
+    if each.rule.part == "keeping" or each.marks is None:
+        return each
+    free = nobody.get(each.name, 0.0)
+    if free > MOST_NOBODY:
+        return replace(each, nobody=free)
+    earned = 100.0 * max(0.0, (each.marks - free) / (100.0 - free))
+    return replace(each, nobody=free, earned=earned)
+
+
+def _answered(each: Scored, scores: tuple[Scored, ...]) -> Scored:
+    """Return an answer times the mean of the tasks: an order alone masters nothing."""
+    if each.rule.part != "answer" or each.earned is None:
+        return each
+    others = [
+        (other.rule.weight, other.earned)
+        for other in scores
+        if other.rule.part == "task" and other.earned is not None
+    ]
+    return replace(each, earned=each.earned * _mean(others) / 100.0) if others else each
+
+
+def _mean(weighted: list[tuple[float, float]]) -> float:
+    """Return the mean by weight, 0 of nothing."""
+    whole = sum(weight for weight, _ in weighted)
+    return sum(weight * value for weight, value in weighted) / whole if whole else 0.0
+
+
+def _verdict(
+    trajectory: Trajectory, plan: Plan, scores: tuple[Scored, ...], means: tuple[float, float]
+) -> Verdict:
+    """Return how it ended, the worst first."""
+    tasks, keeping = means
+    turned = _turned_over(trajectory)
+    hard, aground = _aground(trajectory, plan)
+    lost = turned or hard or aground or next(_losses(trajectory, plan.lost), "")
+    lost = lost or _ended(trajectory, plan) or _collided(trajectory)
+    gate = next(_broken(trajectory), "") or _laid_badly(trajectory, plan)
+    undone = [each.name for each in scores if not _carried_out(each)]
+    cap = HARD_CAP if hard else LOST_CAP if lost else GATE_CAP if gate else None
+    outcome, reason = "won", ""
+    if free := _free(trajectory):
+        outcome, reason = "free", free
+    elif lost:
+        outcome, reason = "lost", lost
+    elif gate:
+        outcome, reason = "not reached", gate
+    elif undone:
+        outcome, reason = "not reached", ", ".join(undone)
+    elif early := _cut_short(trajectory, plan):
+        outcome, reason = "not reached", early
+    return Verdict(outcome, reason, tasks, keeping, gate, cap, bool(turned), bool(free))
+
+
+def _free(trajectory: Trajectory) -> str:
+    """Return what made the run free of marks: something let be automatic, or broken by hand."""
+    for each in trajectory.orders:
+        if each.accepted is False or each.who == SCHEDULE:
+            continue
+        if name_of(each) in FREEING:
+            seconds = each.tick * trajectory.boat.method.step
+            return f"{each.text} at {clock(seconds)}, by {each.who}"
+    return ""
+
+
+def _carried_out(each: Scored) -> bool:
+    """Return whether a task was carried out; what does not count is not looked at."""
+    if each.earned is None or each.marks is None:
+        return True
+    if each.rule.score.measure == "reach":
+        return each.attained.value is not None
+    if each.rule.score.measure == "settled":
+        return (each.attained.value or 0.0) >= SETTLED
+    return each.earned >= ENOUGH
+
+
+def _turned_over(trajectory: Trajectory) -> str:
+    """Return that the boat turned over, and when."""
+    pitch, heel = np.abs(trajectory.columns["theta"]), np.abs(trajectory.columns["phi"])
+    over = np.flatnonzero((pitch > TURNED_PITCH) | (heel > TURNED_HEEL))
+    if not over.size:
+        return ""
+    row = int(over[0])
+    told = f"pitch {np.degrees(pitch[row]):.0f} deg, heel {np.degrees(heel[row]):.0f} deg"
+    return f"turned over at {clock(float(trajectory.seconds[row]))}: {told}"
+
+
+def _aground(trajectory: Trajectory, plan: Plan) -> tuple[str, str]:
+    """Return that the boat was hard aground, and that it was where that ends the exercise."""
+    bottom = plan.world.get("bottom")
+    hard = aground = ""
+    for each in groundings(trajectory):
+        when = clock(float(trajectory.seconds[each.row]))
+        if each.hard and not hard:
+            hard = f"hard aground at {when}, {each.touch.normal:.2f} m/s into the ground"
+        if each.at_fault and not aground and bottom is not None and bottom.grounding == "end":
+            aground = f"aground at {when}"
+    return hard, aground
+
+
+def _laid_badly(trajectory: Trajectory, plan: Plan) -> str:
+    """Return that a boat that may lie on the ground came there badly, and when."""
+    bottom = plan.world.get("bottom")
+    if bottom is None or not bottom.bottoming:
+        return ""
+    for each in groundings(trajectory):
+        if each.at_fault:
+            why = ", ".join(each.touch.faults) or "did not come to lie"
+            when = clock(float(trajectory.seconds[each.row]))
+            return f"laid on the ground badly at {when}: {why}"
+    return ""
+
+
+def _losses(trajectory: Trajectory, losses: tuple[Loss, ...]) -> Iterator[str]:
+    """Yield what lost the exercise, and when."""
+    for loss in losses:
+        holds = np.ones(trajectory.ticks.size, bool)
+        for condition in loss.conditions:
+            holds &= trajectory.holds(condition)
+        row = first_for(holds, loss.seconds, trajectory)
+        if row is not None:
+            yield f"{loss.text} at {clock(float(trajectory.seconds[row]))}"
+
+
+def _broken(trajectory: Trajectory) -> Iterator[str]:
+    """Yield the limits that were broken for GATE_S, and when."""
+    for name in limits_of(trajectory):
+        row = first_for(rows_beyond(trajectory, name), GATE_S, trajectory)
+        if row is not None:
+            told = BEYOND[name].format(getattr(trajectory.limits, name))
+            yield f"{told} at {clock(float(trajectory.seconds[row]))}"
+
+
+def first_for(holds: Rows, seconds: float, trajectory: Trajectory) -> int | None:
+    """Return the first row from which something holds for so long. None: it never does."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], holds, [False])).astype(int)))
+    times = trajectory.seconds
+    for first, after in edges.reshape(-1, 2):
+        if times[after - 1] - times[first] >= seconds - 1e-9:
+            return int(first)
+    return None
+
+
+def _ended(trajectory: Trajectory, plan: Plan) -> str:
+    """Return that the hull has collapsed."""
+    limit = plan.file.hull.collapse_depth_m
+    if limit is None:
+        return ""
+    column = trajectory.columns
+    deepest = float(lowest_depth(column["z"], column["theta"], plan.file.hull.length).max())
+    return f"the hull collapsed at {deepest:.0f} m" if deepest >= limit else ""
+
+
+def _collided(trajectory: Trajectory) -> str:
+    """Return that a collision has ended the exercise."""
+    met = meet(trajectory)
+    if met.collision != "end" or not met.collisions:
+        return ""
+    tick, name = met.collisions[0]
+    return f"collision with {name} at {clock(tick * trajectory.boat.method.step)}"
+
+
+def _cut_short(trajectory: Trajectory, plan: Plan) -> str:
+    """Return that the record ends before the exercise does."""
+    end = float(trajectory.seconds[-1])
+    if plan.duration is None or end >= plan.duration - plan.method.step - 1e-6:
+        return ""
+    return f"the record ends at {clock(end)}"
+
+
+# What cost marks
+
+
+MOST_TOLD: Final = 3  # sentences
+LEAST_TOLD: Final = 0.5  # [%] of the marks that is worth one
+
+
+@dataclass(frozen=True)
+class Cost:
+    """A cause that cost some of the marks."""
+
+    marks: float  # [%] of the total
+    told: str
+
+
+def worth(each: Scored) -> float | None:
+    """Return what a score gave [%]: of a task less nobody aboard."""
+    return each.marks if each.earned is None else each.earned
+
+
+def dearest(card: Scorecard, reference: Scorecard | None) -> tuple[Cost, ...]:
+    """Return what cost most, MOST_TOLD of it at most."""
+    found = [each for each in costs(card, reference) if each.marks >= LEAST_TOLD]
+    return tuple(sorted(found, key=lambda each: -each.marks)[:MOST_TOLD])
+
+
+def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[Cost]:
+    """Yield all that cost marks: rules by their share in the total, and the gate."""
+    best = {each.name: each for each in reference.scores} if reference else {}
+    yield from _by_gate(card)
+    for each in card.scores:
+        lost = 100.0 - (worth(each) or 0.0)
+        share = share_of(each, card)
+        if each.marks is not None and share and lost > 0.0:
+            told = _sentence(each, best.get(each.name), share * lost)
+            yield Cost(share * lost, told)
+
+
+def _by_gate(card: Scorecard) -> Iterator[Cost]:
+    """Yield what a broken limit or a loss has cost beyond the tasks."""
+    verdict = card.verdict
+    if verdict is None:
+        return
+    whole = before_gate(verdict)
+    if verdict.free:
+        return
+    if verdict.void:
+        yield Cost(whole, f"The boat turned over: {verdict.reason}. All marks are void.")
+    elif verdict.cap is not None and whole > verdict.cap:
+        why = f"The exercise was lost ({verdict.reason})"
+        if verdict.outcome != "lost":
+            why = f"A limit was broken ({verdict.gate})"
+        cost = whole - verdict.cap
+        yield Cost(cost, f"{why}: {_marks(cost)}, since at most {verdict.cap:.0f} are left.")
+
+
+def before_gate(verdict: Verdict) -> float:
+    """Return the total [%] that tasks and keeping make, before any gate."""
+    return verdict.tasks * (1.0 - KEPT_SHARE + KEPT_SHARE * verdict.keeping / 100.0)
+
+
+def share_of(each: Scored, card: Scorecard) -> float:
+    """Return how much of a rule's marks are of the total [-]."""
+    verdict = card.verdict
+    keeping = verdict is not None and each.rule.part == "keeping"
+    alike = [
+        other
+        for other in card.scores
+        if other.marks is not None
+        and (verdict is None or (other.earned is None) == (each.earned is None))
+    ]
+    weight = sum(other.rule.weight for other in alike)
+    share = each.rule.weight / weight if weight else 0.0
+    if verdict is None:
+        return share
+    if keeping:
+        return share * KEPT_SHARE * verdict.tasks / 100.0
+    if each.earned is None:  # nobody aboard has it as well: it earns nothing
+        return 0.0
+    return share * (1.0 - KEPT_SHARE + KEPT_SHARE * verdict.keeping / 100.0)
+
+
+def _sentence(each: Scored, best: Scored | None, cost: float) -> str:
+    """Return what a rule cost, and what would have been right."""
+    unit = "" if each.unit == "-" else f" {each.unit}"
+    value = each.attained.value
+    came = each.attained.why if value is None else f"{value:.4g}{unit}"
+    told = f"{each.name}: {came}, full marks at {each.rule.score.full:.4g}{unit}"
+    if best is not None and best.attained.value is not None:
+        told += f", the reference crew {best.attained.value:.4g}{unit}"
+    if each.rule.part == "answer" and (each.marks or 0.0) > (each.earned or 0.0):
+        told += " (an answer counts no more than the tasks it was to save)"
+    return f"{told}: {_marks(cost)}."
+
+
+def _marks(cost: float) -> str:
+    whole = round(cost)
+    if not whole:
+        return "it cost less than a mark"
+    return f"it cost {whole} mark{'s' if whole > 1 else ''}"

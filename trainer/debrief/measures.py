@@ -1,0 +1,335 @@
+"""Measures judge a passage, each by one number and its place in the record.
+
+A measure is a function of the passage, of the rows that its rule looks at (one at least), and of
+the rule. Numbers are in the unit of the quantity where a rule names one.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import Final
+
+import numpy as np
+
+from trainer.boat.depths import lowest_depth
+from trainer.boat.limits import COVERED, FULL
+from trainer.config.score_rules import Measured, Rule
+from trainer.core.ballast.tanks import BANKS
+from trainer.core.kernel import Numbers
+from trainer.debrief.episodes import (
+    answer_to,
+    first_spell,
+    groundings,
+    look_out,
+    meet,
+    shown,
+)
+from trainer.debrief.trajectory import Rows, Trajectory, showing
+
+NO_TEST_DEPTH: Final = "this boat has no test depth"
+PLANES: Final = ("stern", "bow")
+RANGE: Final = "cpa_m"  # of the nearest ship
+LIMITED: Final[Mapping[str, Measured]] = {  # by the keys of an exercise's limits
+    "depth_m": Measured("depth", "m", 1.0),
+    "pitch_deg": Measured("pitch", "deg", float(np.radians(1.0))),
+    "heel_deg": Measured("heel", "deg", float(np.radians(1.0))),
+    "speed_kn": Measured("speed", "kn", 1852.0 / 3600.0),
+    "clearance_m": Measured("clearance", "m", 1.0),
+    "speed_over_ground_kn": Measured("speed_over_ground", "kn", 1852.0 / 3600.0),
+}
+
+
+@dataclass(frozen=True)
+class Attained:
+    """The value of a measure. Without one it says why."""
+
+    value: float | None
+    tick: int | None  # where in the record
+    why: str = ""
+    counts: bool = True  # a value that lacks by the crew's own doing earns nothing
+
+
+def overshoot(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return how far the quantity went beyond its target, seen from where it began."""
+    beyond = _off(trajectory, rows, rule)
+    beyond = -beyond if beyond[0] > 0.0 else beyond  # now from below
+    if beyond.max() < -(rule.score.band or 0.0):
+        return Attained(None, None, "the target was never reached")
+    furthest = int(np.argmax(beyond))
+    return Attained(max(float(beyond[furthest]), 0.0), int(trajectory.ticks[rows][furthest]))
+
+
+def time_to(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the time [s] until the quantity is in its band for good."""
+    outside = np.flatnonzero(~_inside(trajectory, rows, rule))
+    ticks = trajectory.ticks[rows]
+    first = int(outside[-1]) + 1 if outside.size else 0
+    if first == ticks.size:
+        beyond = abs(float(_off(trajectory, rows, rule)[-1])) - (rule.score.band or 0.0)
+        unit = rule.measured.unit if rule.measured else ""
+        far = f"{float(f'{beyond:.2g}'):g} {unit}"  # two digits that count
+        return Attained(None, None, f"not in the band at the end, {far} beyond it")
+    seconds = float(ticks[first] - ticks[0]) * trajectory.boat.method.step
+    return Attained(seconds, int(ticks[first]))
+
+
+FALSE: Final = 30.0  # [s] for each mark of a ship where none was seen
+THERE: Final = "the boat was there when it was ordered"
+LAST: Final = 120.0  # [s] of a window, in which the boat has to have settled
+
+
+def reach(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the time [s] until the quantity is in its band for good. It has been outside."""
+    if _inside(trajectory, rows, rule)[0]:
+        return Attained(None, None, THERE)
+    return time_to(trajectory, rows, rule)
+
+
+def settled(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the share [%] of the last LAST seconds in the band, having been outside."""
+    if _inside(trajectory, rows, rule)[0]:
+        return Attained(None, None, THERE)
+    seconds = trajectory.seconds
+    return in_band(trajectory, rows & (seconds >= seconds[rows][-1] - LAST), rule)
+
+
+def final(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the quantity at the last of the rows, or its distance from its target."""
+    if rule.score.target is None:
+        value = float(_quantity(trajectory, rows, rule)[-1])
+    else:
+        value = abs(float(_off(trajectory, rows, rule)[-1]))
+    return Attained(value, int(trajectory.ticks[rows][-1]))
+
+
+def rms(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the root of the mean square distance from the target."""
+    off = _off(trajectory, rows, rule)
+    worst = int(np.argmax(np.abs(off)))
+    return Attained(float(np.sqrt(np.mean(off * off))), int(trajectory.ticks[rows][worst]))
+
+
+def in_band(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the share [%] of the ticks at which the quantity is in its band."""
+    worst = int(np.argmax(np.abs(_off(trajectory, rows, rule))))
+    share = 100.0 * float(np.mean(_inside(trajectory, rows, rule)))
+    return Attained(share, int(trajectory.ticks[rows][worst]))
+
+
+def highest(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the greatest value of the quantity; of a depth the deepest."""
+    return _extreme(trajectory, rows, _quantity(trajectory, rows, rule), np.argmax)
+
+
+def lowest(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the smallest value of the quantity."""
+    return _extreme(trajectory, rows, _quantity(trajectory, rows, rule), np.argmin)
+
+
+def largest(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the quantity, or its distance from the target, at its largest either way."""
+    away = rule.score.target is not None
+    values = _off(trajectory, rows, rule) if away else _quantity(trajectory, rows, rule)
+    return _extreme(trajectory, rows, np.abs(values), np.argmax)
+
+
+def activity(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the travel of the surfaces [deg/min]. Without a name it is both pairs of planes."""
+    named = (rule.measured.name,) if rule.measured else PLANES
+    moved = np.zeros(trajectory.ticks.size)
+    for surface in filter(trajectory.has, named):
+        angle = np.degrees(trajectory.series(surface))
+        moved[1:] += np.abs(np.diff(angle))
+    both = rows & np.concatenate(([False], rows[:-1]))  # from one row looked at to the next
+    seconds = float(np.sum(np.diff(trajectory.seconds)[both[1:]]))
+    if not seconds:
+        return Attained(None, None, "a single moment", counts=False)
+    fastest = int(np.argmax(np.where(both, moved, -1.0)))
+    return Attained(60.0 * float(moved[both].sum()) / seconds, int(trajectory.ticks[fastest]))
+
+
+def distance(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return the distance [m] run over the ground."""
+    run = np.hypot(np.diff(trajectory.columns["x"]), np.diff(trajectory.columns["y"]))
+    return Attained(float(run[rows[1:] & rows[:-1]].sum()), int(trajectory.ticks[rows][-1]))
+
+
+def closest_approach(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return the least range [m] to any ship."""
+    nearest = meet(trajectory).nearest[rows]
+    if not np.isfinite(nearest).any():
+        return Attained(None, None, "there was no ship", counts=False)
+    return _extreme(trajectory, rows, nearest, np.argmin)
+
+
+def exposed(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return the time [s] for which the periscope's head was out of the water."""
+    found = np.flatnonzero(shown(trajectory)[0] & rows)
+    seconds = float(found.size) * trajectory.boat.method.step
+    return Attained(seconds, int(trajectory.ticks[found[0]]) if found.size else None)
+
+
+def exposed_raise(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the time [s] of the raise that showed longest."""
+    raises = shown(trajectory)[1]
+    each = [exposed(trajectory, rows & (raises == one), rule) for one in np.unique(raises)]
+    return max(each, key=lambda attained: attained.value or 0.0)
+
+
+def time_to_detect(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return the longest time [s] from a ship in sight to its mark.
+
+    It is longer by FALSE for each mark that meant no ship.
+    """
+    looked_at = set(trajectory.ticks[rows].tolist())
+    found = look_out(trajectory)
+    ships = [each for each in found.ships if each.there in looked_at]
+    if not ships:
+        return Attained(None, None, "no ship came in sight", counts=False)
+    for each in ships:
+        if each.seen is None:
+            return Attained(None, each.there, f"nobody looked for {each.name}")
+        if each.marked is None:
+            return Attained(None, each.seen, f"{each.name} was not marked")
+    step = trajectory.boat.method.step
+    times = {each: ((each.marked or 0) - (each.seen or 0)) * step for each in ships}
+    slowest = max(ships, key=lambda each: times[each])
+    wrong = sum(tick in looked_at for tick in found.false)
+    return Attained(times[slowest] + FALSE * wrong, slowest.marked)
+
+
+def broaches(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return how often sail or deck left the sea without a main ballast blow."""
+    found = [row for row in broach_rows(trajectory) if rows[row]]
+    return Attained(float(len(found)), int(trajectory.ticks[found[0]]) if found else None)
+
+
+def aground(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return how often the boat was aground, where it was not laid down well."""
+    if not trajectory.has("clearance"):
+        return Attained(None, None, "there is no ground here", counts=False)
+    found = [each for each in groundings(trajectory) if each.at_fault and rows[each.row]]
+    return Attained(float(len(found)), int(trajectory.ticks[found[0].row]) if found else None)
+
+
+def beyond_limits(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return the time [s] at which any limit of the exercise was passed."""
+    beyond = (
+        np.any([rows_beyond(trajectory, name) for name in limits_of(trajectory)], axis=0) & rows
+    )
+    first = np.flatnonzero(beyond)
+    seconds = float(beyond.sum()) * trajectory.boat.method.step
+    return Attained(seconds, int(trajectory.ticks[first[0]]) if first.size else None)
+
+
+def beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return the most [m] of the hull's lowest point beyond test depth."""
+    beyond = depth_beyond(trajectory)
+    if beyond is None:
+        return Attained(None, None, NO_TEST_DEPTH, counts=False)
+    if not np.any(beyond[rows] > 0.0):
+        return Attained(0.0, None)
+    return _extreme(trajectory, rows, beyond[rows], np.argmax)
+
+
+def time_beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return the time [s] of the hull's lowest point beyond test depth."""
+    beyond = depth_beyond(trajectory)
+    if beyond is None:
+        return Attained(None, None, NO_TEST_DEPTH, counts=False)
+    first = np.flatnonzero((beyond > 0.0) & rows)
+    seconds = float(first.size) * trajectory.boat.method.step
+    return Attained(seconds, int(trajectory.ticks[first[0]]) if first.size else None)
+
+
+def response(trajectory: Trajectory, _rows: Rows, rule: Rule) -> Attained:
+    """Return the time [s] from the casualty's first onset to the crew's answer."""
+    episode = first_spell(trajectory, rule.casualty)
+    if episode is None:
+        return Attained(None, None, "it did not happen", counts=False)
+    answer = answer_to(trajectory, episode, rule.score.orders)
+    if answer is None:
+        return Attained(None, None, "it was not answered")
+    return Attained((answer.tick - episode.begun) * trajectory.boat.method.step, answer.tick)
+
+
+def reserve_air(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the least share [%] left in the bank named, or else in all together."""
+    vessel = trajectory.boat.vessel
+    names = (rule.measured.name,) if rule.measured else tuple(f"bank_{name}" for name in BANKS)
+    full = sum(float(vessel.bank_full[BANKS.index(name.removeprefix("bank_"))]) for name in names)
+    if not full:
+        return Attained(None, None, "this boat has no air banks", counts=False)
+    left = sum(trajectory.columns[name] for name in names) / full
+    return _extreme(trajectory, rows, 100.0 * np.asarray(left)[rows], np.argmin)
+
+
+def limits_of(trajectory: Trajectory) -> list[str]:
+    """Return the limits that the exercise sets, by their keys."""
+    names = [item.name for item in fields(trajectory.limits)]
+    known = [name for name in names if name.rpartition("_")[0] in (*LIMITED, RANGE)]
+    return [name for name in known if getattr(trajectory.limits, name) is not None]
+
+
+def rows_beyond(trajectory: Trajectory, name: str) -> Rows:
+    """Return at which ticks a limit of the exercise is passed."""
+    key, _, end = name.rpartition("_")
+    limit = getattr(trajectory.limits, name)
+    value = meet(trajectory).nearest if key == RANGE else trajectory.measured(LIMITED[key])
+    value = np.abs(value) if key in ("pitch_deg", "heel_deg") else value
+    beyond: Rows = value > limit if end == "max" else value < limit
+    return beyond
+
+
+def depth_beyond(trajectory: Trajectory) -> Numbers | None:
+    """Return the hull's depth [m] beyond test depth at each tick. None: the boat has no test depth.
+
+    While the depth is frozen the boat is not beyond it.
+    """
+    hull, column = trajectory.boat.file.hull, trajectory.columns
+    if hull.test_depth_m is None:
+        return None
+    beyond = lowest_depth(column["z"], column["theta"], hull.length) - hull.test_depth_m
+    return np.where(column["held_depth"] == 0.0, beyond, np.minimum(beyond, 0.0))
+
+
+def surfacing(trajectory: Trajectory) -> Rows:
+    """Return at which ticks main ballast is being blown, or blown."""
+    vessel, column = trajectory.boat.vessel, trajectory.columns
+    if not vessel.fitted:
+        return np.zeros(trajectory.ticks.size, bool)
+    tanks = ("forward", "mid", "aft")
+    held = sum(column[f"water_{name}"] for name in tanks)
+    blown = sum(column[f"blow_{name}"] for name in tanks)
+    return np.asarray((held < FULL * float(vessel.capacity[:3].sum())) | (np.asarray(blown) > 0.0))
+
+
+def broach_rows(trajectory: Trajectory) -> list[int]:
+    """Return the rows at which the boat broached, as the watch calls it out."""
+    height, meant = showing(trajectory), surfacing(trajectory)
+    shows, found = bool(height[0] > 0.0), []
+    for row in range(1, height.size):
+        if not shows and height[row] > 0.0 and not meant[row]:
+            found.append(row)
+        shows = bool(height[row] > (-COVERED if shows else 0.0))
+    return found
+
+
+def _quantity(trajectory: Trajectory, rows: Rows, rule: Rule) -> Numbers:
+    assert rule.measured  # noqa: S101 (checked when the rule was read)
+    return trajectory.measured(rule.measured)[rows]
+
+
+def _off(trajectory: Trajectory, rows: Rows, rule: Rule) -> Numbers:
+    assert rule.measured  # noqa: S101
+    return trajectory.off(rule.measured, rule.score.target)[rows]
+
+
+def _inside(trajectory: Trajectory, rows: Rows, rule: Rule) -> Rows:
+    return np.abs(_off(trajectory, rows, rule)) <= (rule.score.band or 0.0)
+
+
+def _extreme(
+    trajectory: Trajectory, rows: Rows, values: Numbers, furthest: Callable[[Numbers], np.intp]
+) -> Attained:
+    place = int(furthest(values))
+    return Attained(float(values[place]), int(trajectory.ticks[rows][place]))

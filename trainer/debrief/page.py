@@ -1,0 +1,350 @@
+"""``trainer debrief``: a recording in, one HTML page out that needs nothing beside itself."""
+
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import click
+import numpy as np
+from markupsafe import Markup
+
+from trainer import __version__
+from trainer.config.files import ConfigError, json_text
+from trainer.core.kernel import Numbers
+from trainer.debrief import sections
+from trainer.debrief.changes import change_of, read_changes, without, write_changes
+from trainer.debrief.charts import (
+    Beside,
+    charts_of,
+    draw_timeline,
+    ground_of,
+    runs_beside,
+)
+from trainer.debrief.data import DebriefData, compared, figures, find_branch, gather
+from trainer.debrief.episodes import ShipWay, meet, place_of_ship, ways_of_ships
+from trainer.io.atomic_write import write_whole
+from trainer.io.lines import plain
+from trainer.report.html import charts, page, paragraph, print_pdf, section
+from trainer.report.svg import (
+    WIDTH,
+    Axis,
+    Ground,
+    clock,
+    draw,
+    rule,
+    step_of,
+    svg,
+    text,
+)
+from trainer.session.header import plan_of, reading
+
+BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
+
+
+def render(debrief: DebriefData, boat: str = "") -> str:
+    """Return the page, one with a boat inside it; same record, same bytes."""
+    return page(
+        "debrief.html",
+        "debrief.css",
+        badge=BADGE,
+        title=debrief.title,
+        under=_under(debrief),
+        verdict=sections.verdict(debrief),
+        briefing=debrief.plan.briefing,
+        parts=list(_parts(debrief)),
+        boat=boat,
+        version=__version__,
+        source=plain(debrief.source.name),
+    )
+
+
+def _under(debrief: DebriefData) -> str:
+    """Return what is below the title: the boat, the day, how long, and which branch."""
+    told = [
+        debrief.plan.file.name,
+        debrief.header.get("started", ""),
+        f"{clock(float(debrief.trajectory.seconds[-1]))} flown",
+    ]
+    told.append(", ".join(debrief.trainees))
+    if len(debrief.branches) > 1:
+        told.append(f"branch {debrief.branch.id} of {len(debrief.branches)}")
+    return " - ".join(filter(None, told))
+
+
+def _parts(debrief: DebriefData) -> Iterator[Markup]:
+    """Yield the sections, in the order in which a crew wants to know."""
+    if debrief.card.scores:
+        yield section("moment", "Where it went wrong", sections.moment(debrief))
+        yield section("cost", "What cost most", sections.cost(debrief))
+    if debrief.changes:
+        yield section("changes", "Changed by the instructor", sections.changes(debrief))
+    yield section("charts", "Ordered and actual", _drawings(debrief))
+    if debrief.read_backs:
+        yield section("orders", "Orders to the crew", sections.read_backs(debrief))
+    told = sections.casualties(debrief) if debrief.casualties else paragraph("Nothing broke.")
+    yield section("casualties", "Casualties", told)
+    if debrief.card.scores:
+        yield section("scores", "Measures", sections.scores(debrief))
+    if met := sections.ships(debrief):
+        yield section("ships", "Ships", met)
+    if debrief.of_kind("mark"):
+        yield section("words", "Marks and remarks", sections.marks(debrief))
+    if debrief.hands:
+        yield section("hands", "Who gave orders", sections.hands(debrief))
+    if len(debrief.branches) > 1:
+        yield section("branches", "Branches", sections.branches(debrief))
+    yield section("ticks", "Ticks", sections.ledger(debrief))
+    yield section("run", "What was flown", sections.run_facts(debrief))
+    yield section("log", "Orders and events", sections.log(debrief))  # the longest comes last
+
+
+def _drawings(debrief: DebriefData) -> Markup:
+    """Return the time line, the charts and the track."""
+    ground, beside = ground_of(debrief), runs_beside(debrief)
+    drawn = [draw_timeline(debrief, ground)]
+    drawn += [draw(chart, ground) for chart in charts_of(debrief.trajectory, beside)]
+    return Markup().join(
+        [sections.legend(debrief), charts([*drawn, draw_track(debrief, ground, beside)])]
+    )
+
+
+HEAD = 2000  # [characters] in which a page of ours says that it is
+
+
+@dataclass(frozen=True)
+class Asked:
+    """How a recording is to be debriefed."""
+
+    branch: int | None = None  # None: the latest
+    width: str | None = None  # of the bands; None: as it was begun with
+    reference_from: float | None = None  # [s] where the reference crew takes over, too
+    boat: str = ""  # a page with the boat inside, to be put into this one
+
+
+def debrief_file(
+    path: Path, html: Path | None, pdf: Path | None, asked: Asked, *, as_json: bool
+) -> None:
+    """Write the page as HTML or PDF, and print where it is, or the figures.
+
+    Asked for neither, it goes beside the recording as HTML. ConfigError on what is wrong.
+    """
+    for wanted in filter(None, (html, pdf)):
+        _refuse_recording(path, wanted)
+    if html is None and pdf is None and not as_json:
+        html = beside(path, asked.branch)
+        _refuse_other(html)
+    with np.errstate(all="ignore"):  # a state may hold any number
+        debrief = read_compared(path, asked)
+        text = render(debrief, asked.boat) if html or pdf else ""
+    for each in debrief.excess:
+        click.echo(f"trainer: {path}: {each}", err=True)
+    written = []
+    if html is not None:
+        _write(html, text)
+        written.append(html)
+    if pdf is not None:
+        _print(text, pdf)
+        written.append(pdf)
+    if as_json:
+        click.echo(json_text(figures(debrief), indent=1))
+    else:
+        click.echo("\n".join(map(str, written)))
+
+
+def read_dossier(path: Path, branch: int | None, width: str | None = None) -> DebriefData:
+    """Return the dossier of a recording; ConfigError if it cannot be read."""
+    with reading(path) as recording:
+        return gather(recording, path, branch, width)
+
+
+def read_compared(path: Path, asked: Asked) -> DebriefData:
+    """Return the dossier of a recording beside the reference crew's run; ConfigError."""
+    with reading(path) as recording:
+        debrief = gather(recording, path, asked.branch, asked.width)
+        return compared(debrief, recording, asked.reference_from)
+
+
+def beside(path: Path, branch: int | None) -> Path:
+    """Return where the page of a recording goes unless told otherwise."""
+    return path.with_name(path.stem + ("" if branch is None else f".branch{branch}") + ".html")
+
+
+def change_marks(path: Path, asked: Asked, texts: Sequence[str], back: Sequence[str]) -> None:
+    """Keep changes of marks, having taken others back; ConfigError, nothing changed, on any."""
+    if not (texts or back):
+        return
+    with reading(path) as recording:
+        plan, branches = plan_of(recording.header()), recording.branches()
+    branch = find_branch(branches, path, asked.branch).id
+    changes = read_changes(path)
+    for name in back:
+        changes = without(changes, name, branch)
+    write_changes(path, [*changes, *(change_of(text, branch, plan) for text in texts)])
+
+
+def _refuse_recording(path: Path, wanted: Path) -> None:
+    """Refuse to write over the recording."""
+    if wanted.exists() and path.exists() and wanted.samefile(path):
+        raise ConfigError(f"{wanted} is the recording itself: give another name")
+
+
+def _refuse_other(html: Path) -> None:
+    """Refuse to replace, without being told to, what is no debrief."""
+    if not html.exists():
+        return
+    try:
+        with html.open(encoding="utf-8", errors="replace") as file:
+            ours = BADGE in file.read(HEAD)
+    except OSError:
+        ours = False
+    if not ours:
+        raise ConfigError(f"{html} is there and is no debrief: say --html FILE")
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        write_whole(path, text)
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
+
+
+def _print(text: str, pdf: Path) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        html = Path(folder) / "debrief.html"
+        _write(html, text)
+        print_pdf(html, pdf)
+
+
+# The track from above: the boat's, the reference crew's, those of the ships that were met
+
+
+TALL: Final = 420.0  # [px] of the track
+SIDE, ABOVE, BELOW = 10.0, 26.0, 30.0  # [px] about it
+LEAST: Final = 400.0  # [m] across the shorter way
+EVERY: Final = (10.0, 30.0, 60.0, 300.0, 600.0, 1800.0)  # [s] between its marks of time
+TRACKED: Final = 1600  # points of it
+TICKED: Final = 12  # of them at most
+SCALE: Final = 0.2  # of the width, the longest rule
+CLOSE: Final = 3000.0  # [m] from the boat, within which a ship's way widens the map
+
+
+def draw_track(debrief: DebriefData, ground: Ground, beside: tuple[Beside, ...] = ()) -> Markup:
+    """Return the track from above as an SVG element, north up, equal scales both ways."""
+    column = debrief.trajectory.columns
+    good = np.isfinite(column["x"]) & np.isfinite(column["y"])
+    north, east, seconds = column["x"][good], column["y"][good], ground.seconds[good]
+    if not seconds.size:
+        return Markup()
+    others = [_way_of(run, float(seconds[-1])) for run in beside]
+    ships = ways_of_ships(debrief.trajectory)
+    shown = [*others, *(_near(ship, debrief) for ship in ships)]
+    across, up = axes = _equal_axes(
+        np.concatenate([east, *(way[0] for way in shown)]),
+        np.concatenate([north, *(way[1] for way in shown)]),
+    )
+    x, y = across.places(east), up.places(north)
+    parts = [text("title", SIDE, 16.0, "Track [m], north up")]
+    for run, way in zip(beside, others, strict=True):
+        parts.append(_path(run.style, across.places(way[0]), up.places(way[1])))
+    step = next((s for s in EVERY if seconds[-1] / s <= TICKED), EVERY[-1])
+    for ship in ships:
+        parts += _ship(ship, axes, step)
+    parts += _approaches(debrief, axes)
+    parts.append(_path("actual", x, y))
+    for begin, end in ground.spans:
+        inside = (seconds >= begin) & (seconds <= end)
+        if inside.any():
+            parts.append(_path("broken", x[inside], y[inside]))
+    for second in np.arange(0.0, float(seconds[-1]) + 1e-9, step):
+        place = int(np.searchsorted(seconds, second))
+        parts.append(f'<circle class="axis" cx="{x[place]:.1f}" cy="{y[place]:.1f}" r="2.5"/>')
+        parts.append(text("tick", x[place] + 6.0, y[place] - 4.0, clock(float(second))))
+    return svg("The track from above", (WIDTH, TALL), [*parts, *_rule_of(across)])
+
+
+def _near(ship: ShipWay, debrief: DebriefData) -> tuple[Numbers, Numbers]:
+    """Return the places of a ship, east and north [m], at which it was near the boat."""
+    column = debrief.trajectory.columns
+    off = np.hypot(ship.north - column["x"][ship.rows], ship.east - column["y"][ship.rows])
+    near = off < CLOSE
+    return ship.east[near], ship.north[near]
+
+
+def _ship(ship: ShipWay, axes: tuple[Axis, Axis], step: float) -> Iterator[str]:
+    """Yield the way of a ship as far as the map goes, its name, and its marks of time."""
+    across, up = axes
+    x, y = across.places(ship.east), up.places(ship.north)
+    inside = (x > SIDE) & (x < WIDTH - SIDE) & (y > ABOVE) & (y < TALL - BELOW)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], inside, [False])).astype(int)))
+    for first, after in edges.reshape(-1, 2):
+        yield _path("ship", x[first:after], y[first:after])
+    if not inside.any():
+        return
+    last = int(np.flatnonzero(inside)[-1])
+    side = "ship-name end" if x[last] > 0.8 * WIDTH else "ship-name"
+    yield text(side, x[last] + (-6.0 if "end" in side else 6.0), y[last] + 12.0, ship.name)
+    for second in np.arange(0.0, float(ship.seconds[-1]) + 1e-9, step):
+        place = int(np.argmin(np.abs(ship.seconds - second)))
+        if inside[place] and abs(ship.seconds[place] - second) < 0.5 * step:
+            yield f'<circle class="ship-dot" cx="{x[place]:.1f}" cy="{y[place]:.1f}" r="2.5"/>'
+            yield text("tick", x[place] + 6.0, y[place] - 4.0, clock(float(second)))
+
+
+def _approaches(debrief: DebriefData, axes: tuple[Axis, Axis]) -> Iterator[str]:
+    """Yield a line from the boat to each ship where it was nearest, within the map."""
+    across, up = axes
+    column = debrief.trajectory.columns
+    for name, (apart, tick) in meet(debrief.trajectory).closest.items():
+        row = debrief.trajectory.row(tick)
+        ship = place_of_ship(debrief.trajectory, name, tick)
+        if ship is None or apart > CLOSE:
+            continue
+        own = across.at(float(column["y"][row])), up.at(float(column["x"][row]))
+        there = across.at(ship[1]), up.at(ship[0])
+        yield rule("approach", *own, *there)
+        middle = 0.5 * (own[0] + there[0]), 0.5 * (own[1] + there[1])
+        yield text("tick middle", *middle, f"{apart:.0f} m")
+
+
+def _way_of(run: Beside, end: float) -> tuple[Numbers, Numbers]:
+    """Return the way of another run up to a time [s]: east and north [m]."""
+    column = run.trajectory.columns
+    good = np.isfinite(column["x"]) & np.isfinite(column["y"])
+    good &= run.trajectory.seconds <= end + 1e-6
+    return column["y"][good], column["x"][good]
+
+
+def _equal_axes(east: Numbers, north: Numbers) -> tuple[Axis, Axis]:
+    """Return axes of one scale about the whole track: a turning circle is round."""
+    wide, high = WIDTH - 2.0 * SIDE, TALL - ABOVE - BELOW
+    metres = 1.12 * max(float(np.ptp(east)) / wide, float(np.ptp(north)) / high)
+    metres = max(metres, LEAST / min(wide, high))
+    middle_e = 0.5 * (float(east.min()) + float(east.max()))
+    middle_n = 0.5 * (float(north.min()) + float(north.max()))
+    half_e, half_n = 0.5 * metres * wide, 0.5 * metres * high
+    return (
+        Axis(middle_e - half_e, middle_e + half_e, SIDE, WIDTH - SIDE),
+        Axis(middle_n - half_n, middle_n + half_n, TALL - BELOW, ABOVE),
+    )
+
+
+def _path(style: str, x: Numbers, y: Numbers) -> str:
+    """Return a line through places [px], about one point in so many as can be told apart."""
+    every = max(x.size // TRACKED, 1)
+    rows = [*range(0, x.size, every), x.size - 1]
+    told = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in rows)
+    return f'<path class="line {style}" d="M{told}"/>'
+
+
+def _rule_of(across: Axis) -> Iterator[str]:
+    """Yield a rule of a round length, with that length."""
+    pixels = (across.end - across.begin) / (across.high - across.low)  # [px/m]
+    length = step_of(SCALE * WIDTH / pixels, 1)
+    length = length if length * pixels <= 2.0 * SCALE * WIDTH else 0.5 * length
+    bottom = TALL - 10.0
+    yield rule("axis", SIDE, bottom, SIDE + length * pixels, bottom)
+    for end in (SIDE, SIDE + length * pixels):
+        yield rule("axis", end, bottom - 4.0, end, bottom + 4.0)
+    yield text("tick", SIDE + length * pixels + 8.0, bottom + 4.0, f"{length:g} m")

@@ -1,0 +1,298 @@
+"""The reference crew's run beside a recorded one: same exercise, same seed, its rules.
+
+The band about it, of a task: what the quantity of the task was in the reference run, up to
+the time earlier and later that the task allows, and so far off as the task allows. A run leaves
+the band for good where it stays outside for FOR_GOOD, or to the end of what the task looks at.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from trainer.config.condition import ANGLE
+from trainer.config.score_rules import COURSE, Rule
+from trainer.core.kernel import Numbers
+from trainer.debrief.episodes import INSTRUCTOR, KEPT, crew_orders, first_spell
+from trainer.debrief.judgement import judge, share_of, widened, worth
+from trainer.debrief.rehearsal import Departure, Rehearsal, fly, last_tick
+from trainer.debrief.scoring import Scorecard, Scored
+from trainer.debrief.trajectory import Rows, Trajectory
+from trainer.session.plan import Plan
+
+LONGEST: Final = 400_000  # [ticks] of an exercise that is flown for a debrief
+FOR_GOOD: Final = 20.0  # [s] outside
+LEEWAY: Final = 10.0  # [s] earlier or later at least
+MUCH: Final = 0.33  # [-] of the dearest fault, from which an earlier one is told
+TIMED: Final = ("reach", "time-to")  # measures whose value is a time
+EXTREMES: Final = ("highest", "lowest", "largest", "overshoot")  # over when they are attained
+ABOUT: Final = "the band about the reference run was"
+LOST: Final = 10.0  # [%] of a task's marks less than the reference crew's: it went wrong
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A run of the reference crew, and what it is worth."""
+
+    rehearsal: Rehearsal
+    card: Scorecard
+    since: float | None = None  # [s] from which it was flown; None: from the start
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """Return what was flown."""
+        return self.rehearsal.trajectory
+
+
+@dataclass(frozen=True)
+class Fault:
+    """The moment at which a run went wrong, by one task."""
+
+    tick: int
+    score: str  # the task's name
+    quantity: str  # "" for an answer that did not come in time
+    told: str
+
+
+@dataclass(frozen=True)
+class Band:
+    """The allowance of a task for the reference run."""
+
+    early: float  # [s] earlier and later
+    off: float  # [of the quantity's unit] either way
+
+
+def can_fly(plan: Plan) -> bool:
+    """Return whether an exercise has an end that can be flown to while somebody waits."""
+    return plan.duration is not None and last_tick(plan) <= LONGEST
+
+
+def fly_reference(plan: Plan, card: Scorecard, width: str) -> Reference | None:
+    """Return the run of the exercise's reference crew at the plan's seed. None: no crew."""
+    if not plan.crew.rules or not can_fly(plan):
+        return None
+    rehearsal = fly(plan.alone(), plan.crew)
+    return Reference(rehearsal, judge(rehearsal.trajectory, plan, nobody_of(card), width))
+
+
+def fly_from(
+    trajectory: Trajectory, plan: Plan, departure: Departure, card: Scorecard, width: str
+) -> Reference:
+    """Return the reference crew's run from a recorded moment, judged with its past."""
+    rehearsal = fly(plan.alone(), plan.crew, since=departure)
+    whole = joined(trajectory, rehearsal.trajectory)
+    seconds = departure.moment.tick * plan.method.step
+    return Reference(rehearsal, judge(whole, plan, nobody_of(card), width), seconds)
+
+
+def nobody_of(card: Scorecard) -> dict[str, float]:
+    """Return the marks with nobody aboard, as taken off, by the scores' names."""
+    return {each.name: each.nobody or 0.0 for each in card.scores}
+
+
+def joined(before: Trajectory, after: Trajectory) -> Trajectory:
+    """Return a run up to where another begins, and that other."""
+    rows = before.ticks < after.ticks[0]
+    by_instructor = all(each.who.startswith(INSTRUCTOR) for each in crew_orders(before))
+    orders = [each for each in before.orders if each.tick < after.ticks[0]]
+    alone = bool(orders) and by_instructor  # then the instructor is the crew
+    taken = tuple(
+        replace(each, who=INSTRUCTOR) if alone and each.place is None else each
+        for each in after.orders
+    )
+    return replace(
+        after,
+        orders=(*orders, *taken),
+        marks=(*(each for each in before.marks if each.tick < after.ticks[0]), *after.marks),
+        ticks=np.concatenate((before.ticks[rows], after.ticks)),
+        columns={
+            name: np.concatenate((before.columns[name][rows], values))
+            for name, values in after.columns.items()
+        },
+        lateness=np.concatenate((before.lateness[rows], after.lateness)),
+        work=np.concatenate((before.work[rows], after.work)),
+    )
+
+
+# Where it went wrong
+
+
+def first_fault(
+    trajectory: Trajectory, card: Scorecard, reference: Reference, plan: Plan, width: str
+) -> Fault | None:
+    """Return the first moment at which a dear task went wrong, None if none did.
+
+    A task costs much from MUCH of what the dearest of them cost.
+    """
+    rules = widened(plan.scores, width)
+    found = list(_faults(trajectory, rules, card, reference))
+    lost = {
+        each.name: share_of(each, card) * (100.0 - (worth(each) or 0.0)) for each in card.scores
+    }
+    dearest = max((lost[fault.score] for fault in found), default=0.0)
+    dear = (fault for fault in found if lost[fault.score] >= MUCH * dearest)
+    return min(dear, key=lambda fault: fault.tick, default=None)
+
+
+def behind(card: Scorecard, reference: Scorecard) -> tuple[str, ...]:
+    """Return the tasks and answers that are worth LOST less than the reference crew's."""
+    best = {each.name: worth(each) or 0.0 for each in reference.scores}
+    return tuple(
+        each.name
+        for each in card.scores
+        if each.rule.part != "keeping" and each.marks is not None
+        if best.get(each.name, 0.0) - (worth(each) or 0.0) >= LOST
+    )
+
+
+def _faults(
+    trajectory: Trajectory, rules: tuple[Rule, ...], card: Scorecard, reference: Reference
+) -> Iterator[Fault]:
+    own = {each.name: each for each in card.scores}
+    worse = behind(card, reference.card)
+    ours = {each.name: each for each in reference.card.scores}
+    for rule in rules:
+        if rule.score.name not in worse:
+            continue
+        mine, best = own[rule.score.name], ours[rule.score.name]
+        fault = (
+            _late_answer(trajectory, rule, mine, best)
+            if rule.score.measure == "response"
+            else _departure(trajectory, rule, (mine, best), reference.trajectory)
+        )
+        if fault is not None:
+            yield fault
+
+
+def _late_answer(trajectory: Trajectory, rule: Rule, mine: Scored, best: Scored) -> Fault | None:
+    """Return the moment until which an answer earns all, if it had not come by then."""
+    episode = first_spell(trajectory, rule.casualty)
+    allowed = max(rule.score.full, best.attained.value or 0.0)
+    value = mine.attained.value
+    if episode is None or (value is not None and value <= allowed):
+        return None
+    step = trajectory.boat.method.step
+    tick = min(episode.begun + round(allowed / step), int(trajectory.ticks[-1]))
+    came = "none came" if value is None else f"it came after {value:g} s"
+    told = f"an answer to {episode.kind} was due within {allowed:g} s; {came}"
+    return Fault(tick, rule.score.name, "", told)
+
+
+def _departure(
+    trajectory: Trajectory, rule: Rule, both: tuple[Scored, Scored], reference: Trajectory
+) -> Fault | None:
+    """Return where the quantity of a task leaves the band about the reference run for good."""
+    mine, best = both
+    if rule.measured is None or not trajectory.has(rule.measured.name):
+        return None
+    rows = looked_at(trajectory, rule)
+    if rule.score.measure in EXTREMES and mine.attained.tick is not None:
+        rows &= trajectory.ticks <= mine.attained.tick
+    if not rows.any():
+        return None
+    band = band_of(rule, best)
+    low, high = limits_about(reference, trajectory, rule, band)
+    value = trajectory.measured(rule.measured)
+    outside = rows & ~_within(value, low, high, rule) & ~_better(value, low, high, rule)
+    row = _for_good(outside, rows, trajectory)
+    if row is None:
+        return None
+    told = _told(rule, float(value[row]), (float(low[row]), float(high[row])))
+    return Fault(int(trajectory.ticks[row]), rule.score.name, rule.measured.name, told)
+
+
+def looked_at(trajectory: Trajectory, rule: Rule) -> Rows:
+    """Return the ticks that a rule looks at, whatever its conditions."""
+    begin, end = rule.score.from_s, rule.score.to_s
+    if rule.since is not None:
+        episode = first_spell(trajectory, rule.since)
+        if episode is None:
+            return np.zeros(trajectory.ticks.size, bool)
+        onset = episode.begun * trajectory.boat.method.step
+        begin, end = onset + (begin or 0.0), None if end is None else onset + end
+    return trajectory.between(begin, end)
+
+
+def band_of(rule: Rule, best: Scored) -> Band:
+    """Return what a task allows: its band, and what full marks leave beyond the reference's."""
+    score, measured = rule.score, rule.measured
+    assert measured  # noqa: S101 (asked for by who calls)
+    allowed = 0.0 if best.attained.value is None else abs(score.full - best.attained.value)
+    usual = KEPT.get(measured.name)
+    usual = 0.25 * abs(score.zero - score.full) if usual is None else usual / measured.size
+    off = usual if score.band is None else score.band
+    if score.measure in TIMED:
+        return Band(max(allowed, LEEWAY), off)
+    return Band(LEEWAY, off + (allowed if score.measure in EXTREMES else 0.0))
+
+
+def limits_about(
+    reference: Trajectory, trajectory: Trajectory, rule: Rule, band: Band
+) -> tuple[Numbers, Numbers]:
+    """Return the least and the greatest value within the band, at each tick."""
+    assert rule.measured  # noqa: S101
+    values = reference.measured(rule.measured)
+    most = min(round(band.early / reference.boat.method.step), values.size)
+    rows = np.minimum(np.searchsorted(reference.ticks, trajectory.ticks), values.size - 1)
+    low, high = (extremes(values, most, choose)[rows] for choose in (np.minimum, np.maximum))
+    return low - band.off, high + band.off
+
+
+def extremes(values: Numbers, most: int, choose: Callable[..., Numbers]) -> Numbers:
+    """Return the least or greatest value of the rows up to ``most`` around each."""
+    found = np.pad(values, most, mode="edge")
+    width, span = 2 * most + 1, 1
+    while 2 * span <= width:  # found: of so many rows from each one on
+        found = choose(found[:-span], found[span:])
+        span *= 2
+    rest = width - span
+    return choose(found[: values.size], found[rest : rest + values.size])
+
+
+def _within(value: Numbers, low: Numbers, high: Numbers, rule: Rule) -> Rows:
+    """Return where a value is within limits, of a course whichever way round it went."""
+    assert rule.measured  # noqa: S101
+    round_about = math.tau / rule.measured.size
+    turns = (-round_about, 0.0, round_about) if rule.measured.name == COURSE else (0.0,)
+    inside = [(low <= value + turn) & (value + turn <= high) for turn in turns]
+    within: Rows = np.any(inside, axis=0)
+    return within
+
+
+def _better(value: Numbers, low: Numbers, high: Numbers, rule: Rule) -> Rows:
+    """Return where a value is nearer to what is asked for than the band about the reference."""
+    assert rule.measured  # noqa: S101
+    score = rule.score
+    if score.target is not None and rule.measured.name != COURSE:
+        edge = np.clip(score.target, low, high)
+        nearer: Rows = np.abs(value - score.target) < np.abs(edge - score.target)
+        return nearer
+    if score.measure in ("highest", "lowest") and score.target is None:
+        return value < low if score.full < score.zero else value > high
+    return np.zeros(value.size, bool)
+
+
+def _for_good(outside: Rows, rows: Rows, trajectory: Trajectory) -> int | None:
+    """Return the first row from which a run stays outside, None if it never does."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], outside, [False])).astype(int)))
+    last = int(np.flatnonzero(rows)[-1])
+    for first, after in edges.reshape(-1, 2):
+        lasted = trajectory.seconds[after - 1] - trajectory.seconds[first]
+        if lasted >= FOR_GOOD or after > last:
+            return int(first)
+    return None
+
+
+def _told(rule: Rule, value: float, limits: tuple[float, float]) -> str:
+    """Return a departure in words."""
+    assert rule.measured  # noqa: S101
+    name, unit = rule.measured.name, rule.measured.unit
+    if name == COURSE:
+        told = (
+            round(angle * rule.measured.size / ANGLE["deg"]) % 360 for angle in (value, *limits)
+        )
+        return "course {:03d}; {} {:03d} to {:03d}".format(next(told), ABOUT, *told)
+    low, high = limits
+    return f"{rule.measured} {value:.2f} {unit}; {ABOUT} {low:.2f} to {high:.2f} {unit}"

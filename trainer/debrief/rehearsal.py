@@ -1,0 +1,148 @@
+"""An exercise flown without a session: by nobody, or by its reference crew.
+
+From its start, or from a recorded moment that the reference crew takes over at.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.boat.boat import Boat
+from trainer.boat.depths import collapse_of
+from trainer.boat.helm import obey
+from trainer.boat.reference_crew import Given, Reaction, ReferenceCrew
+from trainer.boat.world.encounters import EncounterMonitor
+from trainer.config.reference_crew import MARK, Crew
+from trainer.debrief.episodes import LOOKOUT, SCHEDULE
+from trainer.debrief.trajectory import COLUMNS, Trajectory
+from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.queries import Journalled, Moment, Noted
+from trainer.session.history import WorldOrders
+from trainer.session.layout import LAYOUT, read_state
+from trainer.session.plan import Plan
+
+CREW: Final = "reference crew"  # who gives its orders
+PLACED: Final = np.array([LAYOUT.index(name) for name in COLUMNS])
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """The flight of a rehearsal."""
+
+    plan: Plan
+    trajectory: Trajectory
+    refused: tuple[Journalled, ...]  # orders
+    rules_given: frozenset[int]  # of the reference crew, by their places in the file
+    lost: str  # why it ended before its time, "" if it did not
+    times: Mapping[int, float]  # [s] when each rule was last carried out, by its place
+
+
+@dataclass(frozen=True)
+class Departure:
+    """A recorded moment, from which a crew takes over."""
+
+    moment: Moment
+    layout: tuple[str, ...]  # of its state
+    given: Mapping[int, float]  # [s] rules of the reference crew that were carried out before
+    to_world: WorldOrders = ()  # orders before it
+
+
+def fly(
+    plan: Plan,
+    crew: Crew | None = None,
+    reaction: Reaction | None = None,
+    since: Departure | None = None,
+) -> Rehearsal:
+    """Return the exercise flown to its end, from a recorded moment if there is one.
+
+    Nobody is aboard where no crew is given. ConfigError if it cannot begin, or has no end.
+    """
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    first, place = (since.moment.tick, since.moment.place) if since else (0, 0)
+    if since is not None:
+        boat.restore(read_state(since.moment.state, since.layout, boat.records.state))
+        boat.world.settle(since.to_world)
+    journal, numbers = Journal(boat), boat.records.state.view(np.float64)
+    aboard = None if crew is None else ReferenceCrew(boat, crew, reaction)
+    if aboard is not None and since is not None:
+        aboard.take_over(since.given)
+    rows, lost, watch = [numbers[PLACED]], "", EncounterMonitor.over(boat)
+    with np.errstate(all="ignore"):
+        for tick in range(first, last_tick(plan)):
+            while place < len(plan.schedule) and due(plan, place) <= tick:
+                journal.obey_schedule(plan, place)
+                place += 1
+            if aboard is not None:
+                journal.note(aboard.look())
+            status = boat.tick()
+            lost = boat.failure(status) if status else collapse_of(boat) or watch.ended_by(boat)
+            if not status:
+                rows.append(numbers[PLACED])
+            if lost:
+                break
+    columns = np.array(rows).T
+    entries = tuple(journal.entries)
+    trajectory = Trajectory(
+        boat=boat,
+        limits=plan.limits,
+        orders=entries,
+        ticks=np.arange(first, first + len(rows), dtype=np.int64),
+        columns=dict(zip(COLUMNS, columns, strict=True)),
+        lateness=np.full(len(rows), np.nan),
+        work=np.full(len(rows), np.nan),
+        marks=tuple(journal.marks),
+    )
+    refused = tuple(each for each in entries if each.accepted is False)
+    times = dict(journal.rules)
+    return Rehearsal(plan, trajectory, refused, frozenset(times), lost, times)
+
+
+def last_tick(plan: Plan) -> int:
+    """Return the tick at which a plan ends; it has to."""
+    return round((plan.duration or 0.0) / plan.method.step)
+
+
+def due(plan: Plan, place: int) -> int:
+    """Return the first tick not before the time of a scheduled order."""
+    return math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9)
+
+
+class Journal:
+    """The orders of a rehearsal, as a recording would hold them."""
+
+    def __init__(self, boat: Boat) -> None:
+        """Begin an empty one."""
+        self.boat = boat
+        self.entries: list[Journalled] = []
+        self.marks: list[Noted] = []
+        self.rules: dict[int, float] = {}  # [s] when each was last carried out
+
+    def obey_schedule(self, plan: Plan, place: int) -> None:
+        """Carry out a scheduled order; what is said to people moves nothing."""
+        order = plan.schedule[place].order
+        if order.name in BOAT_ORDERS:
+            self._write(SCHEDULE, order.text, obey(self.boat, order), place)
+
+    def note(self, given: list[Given]) -> None:
+        """Note what the crew has ordered and marked."""
+        for each in given:
+            if each.rule is not None:
+                self.rules[each.rule] = self.boat.time
+            order = parse(each.text)
+            if isinstance(order, Order) and order.name == MARK:  # no order of the boat's
+                noted = Noted(1, self.boat.ticks, MARK, LOOKOUT, order.subject, "")
+                self.marks.append(noted)
+            else:
+                self._write(CREW, each.text, each.reply, None)
+
+    def _write(self, who: str, text: str, reply: Reply, place: int | None) -> None:
+        refused = isinstance(reply, Refused)
+        answer = reply.reason if isinstance(reply, Refused) else reply
+        number = len(self.entries) + 1
+        entry = Journalled(number, 1, self.boat.ticks, who, text, place, not refused, answer)
+        self.entries.append(entry)

@@ -1,0 +1,184 @@
+"""Scoring: the rules of an exercise laid to a passage, each with its marks."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.config.score_rules import ITS_OWN, MEASURES, TIMELESS, WINDOW, Rule
+from trainer.debrief import measures
+from trainer.debrief.episodes import first_spell
+from trainer.debrief.measures import Attained
+from trainer.debrief.trajectory import Rows, Trajectory, lacks
+
+TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {
+    "overshoot": measures.overshoot,
+    "time-to": measures.time_to,
+    "reach": measures.reach,
+    "settled": measures.settled,
+    "final": measures.final,
+    "rms": measures.rms,
+    "in-band": measures.in_band,
+    "highest": measures.highest,
+    "lowest": measures.lowest,
+    "largest": measures.largest,
+    "activity": measures.activity,
+    "distance": measures.distance,
+    "closest-approach": measures.closest_approach,
+    "exposed": measures.exposed,
+    "exposed-raise": measures.exposed_raise,
+    "time-to-detect": measures.time_to_detect,
+    "broaches": measures.broaches,
+    "aground": measures.aground,
+    "beyond-limits": measures.beyond_limits,
+    "beyond-test-depth": measures.beyond_test_depth,
+    "time-beyond-test-depth": measures.time_beyond_test_depth,
+    "response": measures.response,
+    "reserve-air": measures.reserve_air,
+}
+WHOLE: Final = {"activity": "stern and bow planes", "reserve-air": "all banks"}  # no quantity named
+
+
+def formula_of(rule: Rule) -> str:
+    """Return how the value of a rule is found, in words."""
+    score, measure = rule.score, MEASURES[rule.score.measure]
+    unit = rule.measured.unit if rule.measured else ""
+    words = {
+        "q": str(rule.measured or WHOLE.get(score.measure, "")),
+        "t": "what is ordered" if score.target is None else f"{score.target:g} {unit}",
+        "b": f"{score.band:g} {unit}" if score.band is not None else "",
+        "by": f" by {score.band:g} {unit}" if score.band is not None else "",
+        "f": "" if score.target is None else f", its distance from {score.target:g} {unit}",
+        "c": score.casualty or "",
+        "o": f" of {', '.join(score.orders)}" if score.orders else "",
+    }
+    return measure.formula.format(**words) + _window(rule)
+
+
+def _window(rule: Rule) -> str:
+    """Return which moments are looked at, in words, '' for all."""
+    score = rule.score
+    parts = [
+        "" if score.from_s is None else f"from {score.from_s:g} s",
+        "" if score.to_s is None else f"to {score.to_s:g} s",
+        f"after {score.since}" if score.since and (score.from_s or score.to_s) else "",
+        f"from {score.since} on" if score.since and not (score.from_s or score.to_s) else "",
+        f"while {score.when}" if score.when else "",
+    ]
+    told = " ".join(filter(None, parts))
+    return told and f", {told}"
+
+
+def unit_of(rule: Rule) -> str:
+    """Return the unit of a rule's value."""
+    unit = MEASURES[rule.score.measure].unit
+    return unit if unit != ITS_OWN or rule.measured is None else rule.measured.unit
+
+
+def measure_rows() -> str:
+    """Return the Markdown table of the measures, as docs/debrief.md shows it."""
+    rows = [
+        "| measure | unit | needs | may have | value | place told |",
+        "|---|---|---|---|---|---|",
+    ]
+    spoken = {"q": "quantity", "t": "target", "b": "band", "by": " by band", "c": "casualty"}
+    spoken["f"] = ", or its distance from target"
+    for name, measure in MEASURES.items():
+        timed = () if name in TIMELESS else WINDOW
+        cells = (
+            f"`{name}`",
+            measure.unit or "the quantity's",
+            ", ".join(measure.needs) or "nothing",
+            ", ".join((*measure.may, *timed)),
+            measure.formula.format(**spoken, o=" (of the orders named)"),
+            measure.place,
+        )
+        rows.append(f"| {' | '.join(cells)} |")
+    return "\n".join(rows) + "\n"
+
+
+@dataclass(frozen=True)
+class Scored:
+    """How a rule was met."""
+
+    rule: Rule
+    attained: Attained
+    unit: str
+    formula: str
+    marks: float | None  # [%] None: it does not count
+    nobody: float | None = None  # [%] marks with nobody aboard, where they are taken off
+    earned: float | None = None  # [%] what is left of the marks, of a task or an answer
+
+    @property
+    def name(self) -> str:
+        """Return what is judged."""
+        return self.rule.score.name
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How an exercise ended, and what the total is made of."""
+
+    outcome: str  # won, lost, not reached or free
+    reason: str  # "" where it was won
+    tasks: float  # [%] T
+    keeping: float  # [%] K
+    gate: str  # the limit that was broken, "" if none was
+    cap: float | None  # [%] most that is left by gate or loss
+    void: bool  # the boat turned over: there are no marks
+    free: bool  # the instructor let something be automatic, or broke it by hand: no marks either
+
+
+@dataclass(frozen=True)
+class Scorecard:
+    """All rules of an exercise, and the marks of what counts; None if nothing does."""
+
+    scores: tuple[Scored, ...]
+    total: float | None  # [%]
+    verdict: Verdict | None = None  # of an exercise whose marks are those of tasks
+
+
+def score(trajectory: Trajectory, rules: tuple[Rule, ...]) -> Scorecard:
+    """Return how each rule was met, and the marks of all, each by its weight."""
+    scores = tuple(_score_rule(trajectory, rule) for rule in rules)
+    counted = [each for each in scores if each.marks is not None]
+    weight = sum(each.rule.weight for each in counted)
+    earned = sum(each.rule.weight * (each.marks or 0.0) for each in counted)
+    return Scorecard(scores, earned / weight if weight else None)
+
+
+def _score_rule(trajectory: Trajectory, rule: Rule) -> Scored:
+    attained = attain(trajectory, rule)
+    marks = marks_of(rule, attained.value) if attained.counts else None
+    return Scored(rule, attained, unit_of(rule), formula_of(rule), marks)
+
+
+def attain(trajectory: Trajectory, rule: Rule) -> Attained:
+    """Return what the measure of a rule has come to in a passage."""
+    if lacking := lacks(trajectory.boat, rule):
+        return Attained(None, None, f"this boat has no {lacking[0]}", counts=False)
+    begin, end = rule.score.from_s, rule.score.to_s
+    if rule.since is not None:
+        episode = first_spell(trajectory, rule.since)
+        if episode is None:
+            return Attained(None, None, "it did not happen", counts=False)
+        onset = episode.begun * trajectory.boat.method.step
+        begin, end = onset + (begin or 0.0), None if end is None else onset + end
+    rows = trajectory.between(begin, end)
+    if not np.any(rows):
+        told = f"the record ends at {trajectory.seconds[-1]:g} s"
+        return Attained(None, None, told, counts=False)
+    for condition in rule.conditions:
+        rows &= trajectory.holds(condition)
+    if not np.any(rows):
+        return Attained(None, None, f"never {rule.score.when}")
+    return TAKE[rule.score.measure](trajectory, rows, rule)
+
+
+def marks_of(rule: Rule, value: float | None) -> float:
+    """Return the marks [%] of a value: in proportion between full and none. No value, none."""
+    if value is None:
+        return 0.0
+    share = (value - rule.score.zero) / (rule.score.full - rule.score.zero)
+    return 100.0 * min(max(share, 0.0), 1.0)

@@ -1,0 +1,485 @@
+"""The tables of a debrief, as HTML."""
+
+import re
+from collections.abc import Iterable, Iterator
+from typing import Final
+
+from markupsafe import Markup
+
+from trainer.core.cache import same_core
+from trainer.debrief.changes import OUTCOME, WIDTH, Change
+from trainer.debrief.charts import WRONG, chart_of
+from trainer.debrief.data import Answered, Compared, DebriefData, deviation_of
+from trainer.debrief.episodes import SCHEDULE, Detection, ReadBack, look_out, meet
+from trainer.debrief.reference import behind
+from trainer.debrief.scoring import Scorecard, Scored, Verdict
+from trainer.io.lines import plain
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.recording import Journalled
+from trainer.report.html import paragraph, table
+from trainer.report.svg import clock
+
+MOST: Final = 1000  # lines of the log, of marks, of branches
+JSON_HAS_ALL: Final = "trainer debrief --json has all"
+JOINED_WITHIN_S: Final = 1.0  # [s] from one press of a key to the next
+PLACED: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place
+TOLD: Final = 4  # digits of a value that count
+
+
+def number(value: float | None) -> str:
+    """Return a value as it is told, '-' for none."""
+    return "-" if value is None else f"{value:.{TOLD}g}"
+
+
+def place(debrief: DebriefData, tick: int | None) -> str:
+    """Return a moment of the record as time and tick."""
+    if tick is None:
+        return "-"
+    return Markup("{} <small>tick {}</small>").format(clock(tick * debrief.step), tick)
+
+
+def verdict(debrief: DebriefData) -> Markup:
+    """Return the result of the run: the outcome, the marks with their certainty, the crew."""
+    card = debrief.final
+    if not card.scores:
+        return paragraph("This run has no scoring rules.")
+    lines = [*_outcome(debrief), *map(paragraph, _beside_marks(debrief))]
+    if debrief.plan.hand:
+        lines.append(paragraph(by_hand(debrief)))
+    return Markup().join(lines)
+
+
+def _outcome(debrief: DebriefData) -> Iterator[Markup]:
+    """Yield the outcome with its reason, and the marks."""
+    verdict, total = debrief.final.verdict, debrief.total
+    marks = Markup("<b>{:.0f}</b> of 100 marks{}").format(total or 0.0, _sureness(debrief))
+    if total is None:
+        marks = Markup("no marks")
+    outcome = Markup("<b>{}</b>, ").format(verdict.outcome.capitalize()) if verdict else ""
+    yield Markup('<p class="total">{}{}</p>').format(outcome, marks)
+    if verdict is not None and verdict.reason:
+        yield paragraph(f"{verdict.reason[0].upper()}{verdict.reason[1:]}.")
+
+
+def _sureness(debrief: DebriefData) -> str:
+    """Return how far a mark moves by the sea alone, "" where it does not or nobody knows."""
+    deviation = deviation_of(debrief)
+    if deviation is None or deviation < TOLD_FROM:
+        return ""
+    return f", \N{PLUS-MINUS SIGN}{deviation:.0f} by the sea alone"
+
+
+def _beside_marks(debrief: DebriefData) -> Iterator[str]:
+    """Yield what is to be known about the marks, a sentence or two each."""
+    card = debrief.final
+    if debrief.practice:
+        yield f"Practice: this run was wound back ({debrief.practice})."
+    if card.verdict is not None:
+        yield made_of(card.verdict)
+    if debrief.changed is not None:
+        yield f"Changed by the instructor; before: {said_card(debrief.card)}."
+    if debrief.width != "qualified":
+        yield f"Judged at {debrief.width} width: bands half as wide again."
+    counted = sum(each.marks is not None for each in card.scores)
+    if counted < len(card.scores):
+        yield f"{counted} of {len(card.scores)} rules count."
+    if (deviation := deviation_of(debrief)) and deviation >= TOLD_FROM:
+        yield f"Two runs differ for sure only beyond {SURE * deviation:.0f} marks."
+    if lacking := _unflown(debrief):
+        yield lacking
+
+
+TOLD_FROM: Final = 0.5  # [%] of a deviation
+SURE: Final = 2.8  # standard deviations between two runs
+AXES: Final = ("rudder", "planes", "speed", "ballast")  # that a crew may work
+
+
+def by_hand(debrief: DebriefData) -> str:
+    """Return what the crew worked, and what was automatic."""
+    plan = debrief.plan
+    automatic = [axis for axis in AXES if axis not in plan.hand]
+    told = f"By hand: {', '.join(plan.hand)}; automatic: {', '.join(automatic) or 'nothing'}"
+    if plan.allowed:
+        told += f"; allowed: {', '.join(plan.allowed)}"
+    return f"{told}."
+
+
+def said_card(card: Scorecard) -> str:
+    """Return the outcome and the marks of a card, in words."""
+    marks = "no marks" if card.total is None else f"{card.total:.0f} of 100 marks"
+    return marks if card.verdict is None else f"{card.verdict.outcome}, {marks}"
+
+
+def made_of(verdict: Verdict) -> str:
+    """Return what a total is made of, in words."""
+    told = (
+        f"Tasks {verdict.tasks:.0f}, beyond what a boat with nobody aboard gets; "
+        f"keeping {verdict.keeping:.0f}"
+    )
+    if verdict.void:
+        return f"{told}. The boat turned over: the marks are void."
+    if verdict.free:
+        return f"{told}. A free run has no marks."
+    if verdict.cap is not None:
+        why = "the exercise was lost" if verdict.outcome == "lost" else "a limit was broken"
+        return f"{told}. At most {verdict.cap:.0f}: {why}."
+    return f"{told}; total = tasks \N{MULTIPLICATION SIGN} (0.7 + 0.3 keeping / 100)."
+
+
+def _unflown(debrief: DebriefData) -> str:
+    """Return that the record ends before the exercise, '' if it does not."""
+    flown, planned = float(debrief.trajectory.seconds[-1]), debrief.plan.duration
+    if planned is None or flown >= planned - debrief.step:
+        return ""
+    return f"The record ends at {clock(flown)}; the exercise lasts {clock(planned)}."
+
+
+def moment(debrief: DebriefData) -> Markup:
+    """Return the moment at which the run went wrong, with a link into the charts."""
+    found = debrief.compared
+    if found is None:
+        return paragraph("This exercise has no reference crew to compare with.")
+    fault = found.fault
+    if fault is None:
+        return paragraph(_no_moment(debrief, found))
+    chart = chart_of(fault.quantity)
+    line = Markup('<p><b>{}</b>: {}. Task: {}. <a href="#{}-{}">Go there</a></p>')
+    place = clock(fault.tick * debrief.step)
+    return line.format(place, fault.told, fault.score, WRONG, chart)
+
+
+def _no_moment(debrief: DebriefData, found: Compared) -> str:
+    """Return why no moment is told."""
+    if debrief.free:
+        return "A free run is not compared."
+    worse = behind(debrief.card, found.reference.card)
+    if worse:
+        return f"No one moment: {', '.join(worse)} fell short without leaving a band for good."
+    return "It did not: every task is about as well done as the reference crew's."
+
+
+def cost(debrief: DebriefData) -> Markup:
+    """Return what cost most, and what the reference crew would have had."""
+    if debrief.free:
+        return paragraph("A free run has no marks.")
+    items = Markup().join(Markup("<li>{}</li>").format(each.told) for each in debrief.costs)
+    lines = [Markup("<ol>{}</ol>").format(items) if items else paragraph("Nothing.")]
+    if debrief.compared is not None:
+        lines.append(paragraph(_reference_words(debrief.compared)))
+    return Markup().join(lines)
+
+
+def _reference_words(found: Compared) -> str:
+    """Return what the reference crew has, from the start and from where it took over."""
+    told = f"The reference crew at this seed: {said_card(found.reference.card)}."
+    if found.from_here is not None:
+        since = clock(found.from_here.since or 0.0)
+        told += f" Taking over at {since}: {said_card(found.from_here.card)}."
+    return told
+
+
+def changes(debrief: DebriefData) -> Markup:
+    """Return what the instructor has changed, old and new beside each other."""
+    rows = [
+        (each.name, _before(debrief, each), each.what, each.reason, each.at)
+        for each in debrief.changes
+    ]
+    told = paragraph(f"Before: {said_card(debrief.card)}. Now: {said_card(debrief.final)}.")
+    return told + table(("", "was", "is", "why", "when"), rows, "")
+
+
+def _before(debrief: DebriefData, change: Change) -> str:
+    """Return what a changed thing was before."""
+    card = debrief.card
+    if change.name == OUTCOME:
+        return card.verdict.outcome if card.verdict else "-"
+    if change.name == WIDTH:
+        return debrief.width
+    weights = [each.rule.weight for each in card.scores if each.name == change.name]
+    return f"weight {weights[0]:g}" if weights else "-"
+
+
+def legend(debrief: DebriefData) -> Markup:
+    """Return what the lines and shades of the charts mean."""
+    told = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
+    if found := debrief.compared:
+        told += " Grey dashes: the reference crew at the same seed."
+        told += " Thick upright: where it went wrong." if found.fault else ""
+        told += " Green upright: where the reference crew took over." if found.from_here else ""
+    if debrief.compared and not same_core(debrief.header.get("core")):
+        told += " The reference crew is flown by another core than the recording was."
+    return Markup('<p class="legend"><small>{}</small></p>').format(told)
+
+
+def read_backs(debrief: DebriefData) -> Markup:
+    """Return the table of the orders to the crew: repeated, and carried out."""
+    headings = ("", "ordered", "at", "by", "repeated by", "after", "repeated wrong", "kept from")
+    rows = (_read_back(debrief, i, each) for i, each in enumerate(debrief.read_backs, start=1))
+    return table(headings, rows, "")
+
+
+def _read_back(debrief: DebriefData, i: int, each: ReadBack) -> tuple[str, ...]:
+    order, said = each.order, each.repeated
+    after = "-" if said is None else f"{(said.tick - order.tick) * debrief.step:g} s"
+    by = "the exercise" if order.who == SCHEDULE else order.who
+    return (
+        *(f"O{i}", each.told, place(debrief, order.tick), by),
+        *("not repeated" if said is None else said.who, after, ", ".join(each.wrong) or "-"),
+        place(debrief, each.carried_out),
+    )
+
+
+def scores(debrief: DebriefData) -> Markup:
+    """Return the table of the scores."""
+    best = _of_reference(debrief)
+    judged = debrief.card.verdict is not None
+    headings = [
+        *("", "measure", "value", *(("reference",) if best else ()), "full at", "none at", "marks"),
+        *(("nobody", "earned") if judged else ()),
+        *("weight", "place", "formula"),
+    ]
+    rows = (_score(debrief, i, each, best) for i, each in enumerate(debrief.card.scores, start=1))
+    return table(headings, rows, "scores")
+
+
+def _of_reference(debrief: DebriefData) -> dict[str, Scored]:
+    """Return the reference crew's scores by name, none without such a crew."""
+    found = debrief.compared
+    return {each.name: each for each in found.reference.card.scores} if found else {}
+
+
+def _score(debrief: DebriefData, i: int, each: Scored, best: dict[str, Scored]) -> tuple[str, ...]:
+    score, attained = each.rule.score, each.attained
+    value = attained.why if attained.value is None else value_of(each)
+    marks = "not counted"
+    if each.marks is not None:
+        bar = Markup('{0:.0f} <i class="share"><i style="width:{0:.0f}%"></i></i>')
+        marks = bar.format(each.marks)
+    earned: tuple[str, ...] = ()
+    if debrief.card.verdict is not None:
+        part = f"{each.rule.part} " if each.earned is None else ""
+        nobody = "-" if each.nobody is None else f"{each.nobody:.0f}"
+        earned = (nobody, f"{part}{_whole(each.earned)}")
+    beside = (value_of(best[each.name]) if each.name in best else "-",) if best else ()
+    return (
+        *(f"S{i}", each.name, value, *beside, number(score.full), number(score.zero), marks),
+        *earned,
+        *(f"{each.rule.weight:g}", place(debrief, attained.tick), each.formula),
+    )
+
+
+def value_of(each: Scored) -> str:
+    """Return the value of a score with its unit."""
+    unit = "" if each.unit == "-" else f"\N{NO-BREAK SPACE}{each.unit}"
+    value = each.attained.value
+    return "-" if value is None else number(value) + unit
+
+
+def _whole(marks: float | None) -> str:
+    return "" if marks is None else f"{marks:.0f}"
+
+
+def casualties(debrief: DebriefData) -> Markup:
+    """Return the table of the casualties and of what was done about them."""
+    headings = (
+        "",
+        "casualty",
+        "began",
+        "gone",
+        "first order",
+        "after",
+        "first deflection",
+        "after",
+    )
+    rows = (_casualty(debrief, i, each) for i, each in enumerate(debrief.casualties, start=1))
+    return table(headings, rows, "")
+
+
+def _casualty(debrief: DebriefData, i: int, each: Answered) -> tuple[str, ...]:
+    episode, order, moved = each.episode, each.order, each.deflection
+
+    def after(tick: int) -> str:
+        return f"{(tick - episode.begun) * debrief.step:g} s"
+
+    return (
+        *(f"C{i}", episode.kind, place(debrief, episode.begun)),
+        "at the end still there" if episode.ended is None else place(debrief, episode.ended),
+        (f"{order.text} ({order.who})") if order else "none",
+        after(order.tick) if order else "-",
+        moved.surface if moved else "none",
+        after(moved.tick) if moved else "-",
+    )
+
+
+def ships(debrief: DebriefData) -> Markup:
+    """Return the table of the ships that were met, the nearest first; empty without any."""
+    met, looked = meet(debrief.trajectory), look_out(debrief.trajectory)
+    if not met.closest:
+        return Markup()
+    found = {each.name: each for each in looked.ships}
+    rows = [
+        (name, f"{apart:.0f} m", place(debrief, tick), *_detected(debrief, found.get(name)))
+        for name, (apart, tick) in sorted(met.closest.items(), key=lambda each: each[1])
+    ]
+    told = [
+        f"Collision with {name} at {clock(tick * debrief.step)}." for tick, name in met.collisions
+    ]
+    if looked.false:
+        told.append(f"Marked where no ship was seen: {_clocks(debrief, looked.false)}.")
+    headings = ("ship", "closest approach", "when", "in sight from", "marked", "after")
+    return Markup().join(map(paragraph, told)) + table(headings, rows, "")
+
+
+def _detected(debrief: DebriefData, found: Detection | None) -> tuple[str, str, str]:
+    """Return when a ship came in sight, when it was marked, and how long after."""
+    if found is None:
+        return "-", "-", "-"
+    if found.seen is None:
+        return "nobody looked", "-", "-"
+    if found.marked is None:
+        return place(debrief, found.seen), "no", "-"
+    after = f"{(found.marked - found.seen) * debrief.step:g} s"
+    return place(debrief, found.seen), place(debrief, found.marked), after
+
+
+def _clocks(debrief: DebriefData, ticks: tuple[int, ...]) -> str:
+    return ", ".join(clock(tick * debrief.step) for tick in ticks)
+
+
+def marks(debrief: DebriefData) -> Markup:
+    """Return the table of the marks with their remarks."""
+    every = debrief.of_kind("mark")
+    rows = (
+        (f"M{i}", place(debrief, each.tick), (each.text), (each.who))
+        for i, each in enumerate(every[:MOST], start=1)
+    )
+    return table(("", "moment", "remark", "by"), rows, "") + _more(len(every), JSON_HAS_ALL)
+
+
+def hands(debrief: DebriefData) -> Markup:
+    """Return the table of who gave orders."""
+    rows = (
+        (
+            "the exercise" if each.who == SCHEDULE else (each.who),
+            str(each.orders),
+            str(each.refused),
+        )
+        for each in debrief.hands
+    )
+    return table(("line", "orders", "refused"), rows, "")
+
+
+def log(debrief: DebriefData) -> Markup:
+    """Return the table of orders and events, in the order in which they were."""
+    entries = sorted(_entries(debrief), key=lambda entry: entry[0])
+    rows = ((place(debrief, tick), *cells) for tick, *cells in entries[:MOST])
+    shown = table(("moment", "who", "what", "answer"), rows, "log")
+    left_out = Markup().join(paragraph(f"{each}.".capitalize()) for each in debrief.excess)
+    return shown + _more(len(entries), "trainer export has all") + left_out
+
+
+def _entries(debrief: DebriefData) -> Iterator[tuple[int, str, str, str]]:
+    """Yield tick, who, what and answer of orders and events."""
+    for presses in pressed_together(debrief.trajectory.orders, debrief.step):
+        first, last = presses[0], presses[-1]
+        answer: str = last.answer
+        if last.accepted is False:
+            answer = Markup("<strong>refused:</strong> {}").format(last.answer)
+        yield first.tick, first.who, _joined(presses), answer
+    for event in debrief.events:
+        words = PLACED.sub("", event.text)
+        yield event.tick, (event.who or event.kind), (words), ""
+
+
+def pressed_together(orders: Iterable[Journalled], step: float) -> list[list[Journalled]]:
+    """Return orders in groups of one kind and giver, a second apart at most.
+
+    A key that is held, or pressed again and again, gives many; a page has room for one line.
+    ``step`` is that of the run [s]. What was refused stands alone.
+    """
+    groups: list[list[Journalled]] = []
+    last_of: dict[tuple[str, str], list[Journalled]] = {}  # the group that a key's next may join
+    for order in orders:
+        key = order.who, kind_of(order.text)
+        group = last_of.get(key)
+        near = group and (order.tick - group[-1].tick) * step <= JOINED_WITHIN_S
+        if group and near and order.accepted and group[-1].accepted:
+            group.append(order)
+        else:
+            last_of[key] = [order]
+            groups.append(last_of[key])
+    return groups
+
+
+def kind_of(text: str) -> str:
+    """Return the name of an order, its text where it is none."""
+    order = parse(text)
+    return order.name if isinstance(order, Order) else text
+
+
+def _joined(presses: list[Journalled]) -> str:
+    """Return the words of orders that were given in one go."""
+    if len(presses) == 1:
+        return presses[0].text
+    return Markup("{} <small>after {} more</small>").format(presses[-1].text, len(presses) - 1)
+
+
+def branches(debrief: DebriefData) -> Markup:
+    """Return the table of the branches."""
+    rows = []
+    for branch, last in debrief.branches[:MOST]:
+        begun = "the start" if branch.parent is None else f"branch {branch.parent}"
+        here = Markup(" <b>debriefed here</b>") if branch.id == debrief.branch.id else ""
+        moments = place(debrief, branch.tick), place(debrief, last)
+        rows.append((Markup("{}{}").format(branch.id, here), begun, *moments, (branch.why)))
+    shown = table(("branch", "from", "at", "to", "why"), rows, "")
+    return shown + _more(len(debrief.branches), JSON_HAS_ALL)
+
+
+def _more(count: int, elsewhere: str) -> Markup:
+    """Return how many of so many are not shown, and what has them; nothing if all are."""
+    if count <= MOST:
+        return Markup()
+    return paragraph(f"{count - MOST} more are in the record: {elsewhere}.")
+
+
+def ledger(debrief: DebriefData) -> Markup:
+    """Return what became of the ticks, and every trouble with them."""
+    ticks = debrief.ticks
+    if not ticks.work or not ticks.lateness or ticks.duty_cycle is None:
+        return paragraph("No tick was timed.")
+    rows = [
+        ("work", *(f"{value / 1e3:.1f} us" for value in ticks.work)),
+        ("lateness", *(f"{value / 1e3:.1f} us" for value in ticks.lateness)),
+    ]
+    troubles = debrief.of_kind("trouble")
+    told = (
+        f"{ticks.timed} ticks of {debrief.step:g} s timed, duty cycle "
+        f"{100 * ticks.duty_cycle:.3f} %; {len(troubles)} troubles called out"
+    )
+    listed = Markup().join(
+        Markup("<li>{}: {}</li>").format(place(debrief, each.tick), each.text)
+        for each in troubles[:50]
+    )
+    return (
+        paragraph(f"{told}.")
+        + table(("", "median", "99 %", "most"), rows, "")
+        + (Markup("<ul>{}</ul>").format(listed) if listed else "")
+    )
+
+
+def run_facts(debrief: DebriefData) -> Markup:
+    """Return what computed the run."""
+    header, method = debrief.header, debrief.plan.method
+    rows = [
+        ("boat", (debrief.plan.file.name)),
+        ("sea at the start", (debrief.plan.sea.name)),
+        ("computed by", f"{method.equations} set, {method.rates} rates, {method.integrator}"),
+        ("step", f"{method.step:g} s"),
+        ("seed", str(debrief.plan.seed)),
+        ("trainees", ", ".join(debrief.trainees) or "-"),
+        ("recorded", (header.get("started", "-"))),
+        ("trainer", (f"{header.get('trainer', '-')}, core {header.get('core', '-')}")),
+        ("record", plain(debrief.source.name)),
+    ]
+    return table(("", ""), rows, "facts")

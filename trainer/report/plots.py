@@ -1,0 +1,225 @@
+"""Plots for paper and screen, by matplotlib where it is installed.
+
+Curves differ by line style as well as colour, and the colours are those of Okabe and Ito (2008),
+so that a plot reads in grey and to the colour-blind. The same panels give the same bytes.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import cycle
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.io.atomic_write import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+TRACK: Final = "track"  # title of a panel with one scale both ways
+FORMS: Final = (".png", ".svg", ".pdf")
+COLOURS: Final = ("#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+# five beside seven colours: 35 pairs before one recurs
+LINES: Final = (
+    "-",
+    "--",
+    "-.",
+    ":",
+    (0, (8, 2, 2, 2, 2, 2)),
+)
+MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
+STYLE: Final[dict[Any, Any]] = {
+    "font.size": 9.0,
+    "axes.grid": True,
+    "grid.color": "#CCCCCC",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.4,
+    "figure.dpi": 150.0,
+    "svg.hashsalt": "trainer",  # the same names in the file each time
+    "pdf.fonttype": 42,
+}
+# What would differ from one time to the next.
+METADATA: Final[dict[str, dict[str, Any]]] = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None},
+    ".pdf": {"CreationDate": None},
+}
+PANEL_WIDTH, PANEL_HEIGHT = 6.4, 3.0  # [in]
+SCREEN_WIDTH = 12.8  # [in] two panels beside each other
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A line through points; NaN leaves a gap."""
+
+    label: str
+    x: Numbers
+    y: Numbers
+    points: bool = False  # drawn as points, not as a line
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes: curves, and lines across at marked places of x and y."""
+
+    title: str
+    x: str  # what is along it, [unit]
+    y: str
+    curves: tuple[Curve, ...]
+    marks: tuple[tuple[str, float], ...] = ()  # label and place along x
+    levels: tuple[float, ...] = ()  # places along y
+    decades: bool = False  # x by its logarithm
+    downwards: bool = False  # larger is lower, as depths are
+
+
+@dataclass(frozen=True)
+class Screen:
+    """Panels that are seen together, on one screen or page."""
+
+    title: str
+    panels: tuple[Panel, ...]
+
+
+@dataclass(frozen=True)
+class Bar:
+    """The range over which one cause moves a quantity, and the texts at its ends."""
+
+    label: str
+    ends: tuple[float, float]
+    told: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Bars across, from the first on top, about a line: a tornado."""
+
+    title: str
+    x: str  # what is along it, [unit]
+    bars: tuple[Bar, ...]
+    middle: float
+
+
+def _check_form(path: Path) -> None:
+    """Check that ``path`` ends in a form that can be drawn; ConfigError if it does not."""
+    if path.suffix.lower() not in FORMS:
+        raise ConfigError(f"--plot {path}: must end in {', '.join(FORMS[:-1])} or {FORMS[-1]}")
+
+
+def draw(panels: Sequence[Panel | Bars | Screen], path: Path) -> None:
+    """Write ``panels``, one below the other, to ``path``; ConfigError if that cannot be.
+
+    Screens are two panels wide, in a PDF each on a page of its own.
+    """
+    _check_form(path)
+    try:
+        from matplotlib import rc_context  # noqa: PLC0415
+        from matplotlib.backends.backend_pdf import PdfPages  # noqa: PLC0415
+    except ImportError as missing:
+        raise ConfigError(
+            f"--plot needs matplotlib, which cannot be loaded ({missing}); install it with: "
+            "pip install 'submarine-trainer[plot]'"
+        ) from missing
+    metadata = METADATA[path.suffix.lower()]
+    screens = [each for each in panels if isinstance(each, Screen)]
+    with rc_context(STYLE):
+        try:
+            with replacing(path) as made:
+                if not screens or path.suffix.lower() != ".pdf":
+                    figure_of(panels).savefig(made, metadata=metadata)
+                    return
+                with PdfPages(made, metadata=metadata) as pages:
+                    for screen in screens:
+                        pages.savefig(figure_of([screen]))
+        except OSError as error:
+            raise ConfigError(f"--plot {path}: cannot be written: {error.strerror}") from error
+
+
+def figure_of(panels: Sequence[Panel | Bars | Screen]) -> "Figure":
+    """Return a figure of matplotlib: panels one below the other, those of screens in pairs."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
+    from matplotlib.figure import Figure  # noqa: PLC0415
+
+    rows: list[tuple[Panel | Bars, ...]] = []
+    for each in panels:
+        if isinstance(each, Screen):
+            rows += [each.panels[i : i + 2] for i in range(0, len(each.panels), 2)]
+        else:
+            rows.append((each,))
+    wide = 2 if any(isinstance(each, Screen) for each in panels) else 1
+    size = (SCREEN_WIDTH if wide == 2 else PANEL_WIDTH, PANEL_HEIGHT * len(rows))
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    for i, row in enumerate(rows):
+        for j, panel in enumerate(row):
+            axes = figure.add_subplot(len(rows), wide, i * wide + j + 1)
+            if isinstance(panel, Bars):
+                _draw_bars(panel, axes)
+            else:
+                _draw_panel(panel, axes)
+    return figure
+
+
+def _draw_bars(panel: Bars, axes: "Axes") -> None:
+    """Draw bars across; what lies at the low and at the high end of a cause differs by hatching."""
+    for place, bar in enumerate(panel.bars):
+        sides = zip(bar.ends, bar.told, COLOURS[1:3], ("", "////"), strict=False)
+        for end, told, colour, hatch in sides:
+            how: dict[str, Any] = {"color": colour, "height": 0.6}
+            if hatch:
+                how |= {"color": "white", "edgecolor": colour, "hatch": hatch}
+            axes.barh(place, end - panel.middle, left=panel.middle, **how)
+            right = end >= panel.middle
+            axes.annotate(
+                told,
+                (end, place),
+                (3.0 if right else -3.0, 0.0),
+                textcoords="offset points",
+                ha="left" if right else "right",
+                va="center",
+                fontsize=7.0,
+            )
+    axes.set_axisbelow(True)
+    axes.axvline(panel.middle, color="#000000", linewidth=0.8)
+    axes.set_yticks(range(len(panel.bars)), [bar.label for bar in panel.bars])
+    axes.invert_yaxis()
+    axes.margins(x=0.15)
+    axes.set_title(panel.title, fontsize=10.0, loc="left")
+    axes.set_xlabel(panel.x)
+
+
+def _draw_panel(panel: Panel, axes: "Axes") -> None:
+    """Draw one panel."""
+    styles = zip(cycle(COLOURS), cycle(LINES), cycle(MARKERS))
+    if panel.decades:
+        axes.set_xscale("log")
+    for curve, (colour, line, marker) in zip(panel.curves, styles, strict=False):
+        how: dict[str, Any] = {"linestyle": line}
+        if curve.points:
+            how = {"linestyle": "none", "marker": marker, "markersize": 4.0, "fillstyle": "none"}
+        axes.plot(curve.x, curve.y, color=colour, label=curve.label, **how)
+    for label, place in panel.marks:
+        axes.axvline(place, color="#666666", linewidth=0.8, linestyle=(0, (4, 4)))
+        where = ("data", "axes fraction")
+        axes.annotate(
+            label,
+            (place, 0.98),
+            xycoords=where,
+            rotation=90,
+            ha="right",
+            va="top",
+            fontsize=7.0,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
+        )
+    for place in panel.levels:
+        axes.axhline(place, color="#666666", linewidth=0.8, linestyle=(0, (4, 4)))
+    axes.set_title(panel.title, fontsize=10.0, loc="left")
+    axes.set_xlabel(panel.x)
+    axes.set_ylabel(panel.y)
+    if panel.downwards:
+        axes.invert_yaxis()
+    if panel.title == TRACK:
+        axes.set_aspect("equal", adjustable="datalim")  # a turning circle is round
+    if len(panel.curves) > 1:  # beside the axes, where it hides nothing
+        axes.legend(fontsize=8.0, loc="upper left", bbox_to_anchor=(1.01, 1.0))
