@@ -1,6 +1,7 @@
-"""The fuzzer's own bookkeeping, its examples, and what was worth keeping of their like."""
+"""The fuzzer's own bookkeeping, its examples, and what once broke a reader."""
 
 import os
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from trainer.config.sea import parse_sea
 from trainer.config.vessel import parse_vessel
 
 CORPUS = TESTS / "corpus"
+FAULT = re.compile(r"[a-z]+(-[a-z]+)+")  # not the digest that a fuzzer gives
 posix = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 each_target = pytest.mark.parametrize("target", [pytest.param(t, id=n) for n, t in TARGETS.items()])
 # What a fuzzer puts into a good input.
@@ -153,10 +155,18 @@ def test_an_example_of_a_file_is_accepted(name: str) -> None:
 # The readers
 
 
-@each_target
-def test_every_input_that_was_worth_keeping_is_taken_or_refused_as_declared(target: Target) -> None:
-    for data in corpus(CORPUS, target):
-        target.take(data)
+def test_what_once_broke_a_reader_is_taken_or_refused_as_declared() -> None:
+    for target in TARGETS.values():
+        for data in corpus(CORPUS, target):
+            target.take(data)
+
+
+def test_what_once_broke_a_reader_lies_under_its_target_and_is_named_after_its_fault() -> None:
+    kept = [path for path in CORPUS.rglob("*") if path.is_file()]
+
+    assert kept
+    assert {path.parent for path in kept} <= {CORPUS / name for name in TARGETS}
+    assert not [path for path in kept if not FAULT.fullmatch(path.name)]
 
 
 @st.composite

@@ -148,107 +148,115 @@ UNDERSTOOD = [
 ]
 
 
-@pytest.mark.parametrize(("line", "name", "value", "word", "text"), UNDERSTOOD)
-def test_an_order_is_understood(line: str, name: str, value: float, word: str, text: str) -> None:
-    order = parse(line)
+def test_an_order_is_understood() -> None:
+    faults = [
+        f"{line}: {order}"
+        for line, name, value, word, text in UNDERSTOOD
+        for order in [parse(line)]
+        if not isinstance(order, Order)
+        or (order.name, order.word, order.text) != (name, word, text)
+        or order.value != pytest.approx(value, rel=1e-15)
+    ]
 
-    assert isinstance(order, Order)
-    assert (order.name, order.word, order.text) == (name, word, text)
-    assert order.value == pytest.approx(value, rel=1e-15)
+    assert not faults
 
 
-@pytest.mark.parametrize(
-    ("line", "reason"),
-    [
-        ("dpeth 80", "did you mean depth?"),
-        ("rnu", "did you mean run?"),
-        ("xyzzy", "help lists them"),
-        ("broken", "help lists them"),  # a word that begins otherwise is not offered
-        ("pause", "did you mean freeze?"),
-        ("break stern planes", "did you mean casualty?"),
-        ("sea wind 101", "0 to 100 kn"),
-        ("sea state 5.5", "has no decimals"),
-        ("sea sideways", "expected state, wind, height, from or calm"),
-        ("casualty 5", "expected the name of a casualty"),
-        ("flood auxiliary -5", "takes no sign"),
-        ("dive 80", '"80" is too much after "dive"'),
-        ("vent a open", '"a" may be aft or all'),
-        ("c auto", '"c" may be casualty, clear, contact or course'),
-        ("rudder lefy 15", "did you mean left?"),
-        ("rudder 15", "rudder left or rudder right"),
-        (
-            "rudder",
-            "expected left, right, full, amidships, ease, shift, meet, manual or auto",
-        ),
-        ("rudder right -15", "takes no sign"),
-        ("rudder right 91", "91: an angle is 0 to 90 deg"),
-        ("stern 10", "stern planes dive or stern planes rise"),
-        ("order course 361", "361: a course is 0 to 360 deg"),
-        ("order depth 60 fathoms", "expected m or ft"),
-        ("order depth", "expected a depth (0 to 2000 m)"),
-        ("order speed -3", "takes no sign"),
-        ("order pitch 5", "expected up, down or deg"),
-        ("order rudder left 5", "expected course, depth, periscope, speed, pitch or clear"),
-        ("order", "expected course, depth, periscope, speed, pitch or clear"),
-        ("tell", "tell what? expected words"),
-        ("report", "report what? expected words"),
-        ("allow course", "expected rudder, planes, speed or ballast"),
-        ("ack", "expected the number of an alert"),
-        ("ack 0", "1 to 999999"),
-        ("belay rudder", "expected course, depth, speed, pitch or words"),
-        ("planes dive 10", "say stern planes or bow planes"),
-        ("stop", "bell stop, freeze or quit"),
-        ("ru", '"ru" may be rudder or run'),
-        ("r 80", '"r" may be replay, rpm or rudder'),
-        ("snap", '"snap" may be snapshot or snapshots'),
-        ("snapshot", "snapshot what? expected a name for a moment"),
-        ("snapshots first", '"first" is too much after "snapshots"'),
-        ("restore 5", "expected a name for a moment"),
-        ("backtrack 25 h", "expected s or min"),
-        ("backtrack 0", "0 s: a time back is 0.1 to 86400 s"),
-        ("replay 1441 min", "1441 min: a time back is 0.1 to 86400 s"),
-        ("subscribe diving at 51", "a rate is 0.1 to 50 hz"),
-        ("subscribe diving 5", "expected at"),
-        ("release", "expected depth, position, tanks, all or marks"),
-        (
-            "role captain",
-            "expected instructor, helm, planes, pilot, ballast, diving, observer, visitor or scope",
-        ),
-        ("s d 10", '"s" may be sail or stern'),
-        ("a f", '"a" may be again, ahead or astern'),
-        ("autopilot o", '"o" may be off or on'),
-        ("depth 80 fathoms", "expected m or ft"),
-        ("depth 7000 ft", "7000 ft: a depth is 0 to 2000 m"),
-        ("depth -5", "takes no sign"),
-        ("depth nan", "expected a depth (0 to 2000 m) or auto"),
-        ("depth inf", "expected a depth"),
-        ("depth 1e9", "not a plain decimal number"),
-        ("depth 0x50", "not a plain decimal number"),
-        ("depth 1_0", "not a plain decimal number"),
-        ("depth 1.0000000001", "at most 9 decimals"),
-        ("course 361", "361: a course is 0 to 360 deg"),
-        ("speed 61", "0 to 60 kn"),
-        ("rpm 2001", "-2000 to 2000 rpm"),
-        ("step 2.5", "has no decimals"),
-        ("step 20 m", '"m" is too much after "step 20"'),
-        ("step 0", "1 to 1000"),
-        ("step 1001", "1 to 1000"),
-        ("time 0", "0.1 to 100"),
-        ("time 101", "0.1 to 100"),
-        ("quit now", '"now" is too much after "quit"'),
-        ("depth 80\x1b[A", "unreadable character U+001B at column 9"),
-        ("depth 80°", "unreadable character U+00B0 at column 9"),
-        ("depth ٨٠", "unreadable character U+0668 at column 7"),
-        ("d" * 81, "81 characters; the longest is 80"),
-    ],
-)
-def test_a_bad_order_says_why(line: str, reason: str) -> None:
-    bad = parse(line)
+MISTYPED = [
+    ("dpeth 80", "did you mean depth?"),
+    ("rnu", "did you mean run?"),
+    ("xyzzy", "help lists them"),
+    ("broken", "help lists them"),  # a word that begins otherwise is not offered
+    ("pause", "did you mean freeze?"),
+    ("break stern planes", "did you mean casualty?"),
+    ("sea wind 101", "0 to 100 kn"),
+    ("sea state 5.5", "has no decimals"),
+    ("sea sideways", "expected state, wind, height, from or calm"),
+    ("casualty 5", "expected the name of a casualty"),
+    ("flood auxiliary -5", "takes no sign"),
+    ("dive 80", '"80" is too much after "dive"'),
+    ("vent a open", '"a" may be aft or all'),
+    ("c auto", '"c" may be casualty, clear, contact or course'),
+    ("rudder lefy 15", "did you mean left?"),
+    ("rudder 15", "rudder left or rudder right"),
+    (
+        "rudder",
+        "expected left, right, full, amidships, ease, shift, meet, manual or auto",
+    ),
+    ("rudder right -15", "takes no sign"),
+    ("rudder right 91", "91: an angle is 0 to 90 deg"),
+    ("stern 10", "stern planes dive or stern planes rise"),
+    ("order course 361", "361: a course is 0 to 360 deg"),
+    ("order depth 60 fathoms", "expected m or ft"),
+    ("order depth", "expected a depth (0 to 2000 m)"),
+    ("order speed -3", "takes no sign"),
+    ("order pitch 5", "expected up, down or deg"),
+    ("order rudder left 5", "expected course, depth, periscope, speed, pitch or clear"),
+    ("order", "expected course, depth, periscope, speed, pitch or clear"),
+    ("tell", "tell what? expected words"),
+    ("report", "report what? expected words"),
+    ("allow course", "expected rudder, planes, speed or ballast"),
+    ("ack", "expected the number of an alert"),
+    ("ack 0", "1 to 999999"),
+    ("belay rudder", "expected course, depth, speed, pitch or words"),
+    ("planes dive 10", "say stern planes or bow planes"),
+    ("stop", "bell stop, freeze or quit"),
+    ("ru", '"ru" may be rudder or run'),
+    ("r 80", '"r" may be replay, rpm or rudder'),
+    ("snap", '"snap" may be snapshot or snapshots'),
+    ("snapshot", "snapshot what? expected a name for a moment"),
+    ("snapshots first", '"first" is too much after "snapshots"'),
+    ("restore 5", "expected a name for a moment"),
+    ("backtrack 25 h", "expected s or min"),
+    ("backtrack 0", "0 s: a time back is 0.1 to 86400 s"),
+    ("replay 1441 min", "1441 min: a time back is 0.1 to 86400 s"),
+    ("subscribe diving at 51", "a rate is 0.1 to 50 hz"),
+    ("subscribe diving 5", "expected at"),
+    ("release", "expected depth, position, tanks, all or marks"),
+    (
+        "role captain",
+        "expected instructor, helm, planes, pilot, ballast, diving, observer, visitor or scope",
+    ),
+    ("s d 10", '"s" may be sail or stern'),
+    ("a f", '"a" may be again, ahead or astern'),
+    ("autopilot o", '"o" may be off or on'),
+    ("depth 80 fathoms", "expected m or ft"),
+    ("depth 7000 ft", "7000 ft: a depth is 0 to 2000 m"),
+    ("depth -5", "takes no sign"),
+    ("depth nan", "expected a depth (0 to 2000 m) or auto"),
+    ("depth inf", "expected a depth"),
+    ("depth 1e9", "not a plain decimal number"),
+    ("depth 0x50", "not a plain decimal number"),
+    ("depth 1_0", "not a plain decimal number"),
+    ("depth 1.0000000001", "at most 9 decimals"),
+    ("course 361", "361: a course is 0 to 360 deg"),
+    ("speed 61", "0 to 60 kn"),
+    ("rpm 2001", "-2000 to 2000 rpm"),
+    ("step 2.5", "has no decimals"),
+    ("step 20 m", '"m" is too much after "step 20"'),
+    ("step 0", "1 to 1000"),
+    ("step 1001", "1 to 1000"),
+    ("time 0", "0.1 to 100"),
+    ("time 101", "0.1 to 100"),
+    ("quit now", '"now" is too much after "quit"'),
+    ("depth 80\x1b[A", "unreadable character U+001B at column 9"),
+    ("depth 80°", "unreadable character U+00B0 at column 9"),
+    ("depth ٨٠", "unreadable character U+0668 at column 7"),
+    ("d" * 81, "81 characters; the longest is 80"),
+]
 
-    assert isinstance(bad, BadOrder)
-    assert reason in bad.reason
-    assert bad.text.isascii()
-    assert bad.text.isprintable()
+
+def test_a_bad_order_says_why() -> None:
+    faults = [
+        f"{line!r}: {bad}"
+        for line, reason in MISTYPED
+        for bad in [parse(line)]
+        if not isinstance(bad, BadOrder)
+        or reason not in bad.reason
+        or not bad.text.isascii()
+        or not bad.text.isprintable()
+    ]
+
+    assert not faults
 
 
 @pytest.mark.parametrize("line", ["", "   \t", "# only a comment", "\r\n"])
@@ -380,17 +388,26 @@ def test_every_order_is_in_one_of_the_two_lists() -> None:
     assert {heading_word(form) for form in FORMS if not form.refusal} <= listed
 
 
-@pytest.mark.parametrize(
-    "topic", ["", SESSION, *(head for topic in TOPICS for head in topic.heads)]
-)
-def test_help_is_narrow_and_shows_every_wording(topic: str) -> None:
-    lines = help_text(topic)
+def test_help_is_narrow_and_plain() -> None:
+    topics = ["", SESSION, *(head for topic in TOPICS for head in topic.heads)]
+    faults = [
+        f"{topic}: {line}"
+        for topic in topics
+        for line in help_text(topic)
+        if len(line) > WIDTH or not line.isascii()
+    ]
 
-    assert max(map(len, lines)) <= WIDTH
-    assert all(line.isascii() for line in lines)
-    for form in FORMS:
-        if heading_word(form) == topic and not form.refusal:
-            assert any(form.says in line for line in lines)
+    assert not faults
+
+
+def test_help_on_an_order_shows_every_wording() -> None:
+    missing = [
+        f"{heading_word(form)}: {form.says}"
+        for form in FORMS
+        if not form.refusal and not any(form.says in line for line in help_text(heading_word(form)))
+    ]
+
+    assert not missing
 
 
 def test_help_on_an_unknown_order_names_the_nearest() -> None:
