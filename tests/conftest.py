@@ -20,7 +20,7 @@ from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
 
 WAITING = ("web", "session", "console")  # folders of tests that mostly wait, for ticks and pages
-pytest_plugins = ["helpers.browser", "helpers.crewed"]
+pytest_plugins = ["helpers.browser", "helpers.crewed", "helpers.process_guard"]
 # One commit, one verdict: the same examples each time, however slow the machine.
 hypothesis.settings.register_profile("steady", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("steady")

@@ -83,6 +83,7 @@ def test_what_a_page_types_are_commands_and_options_that_there_are(page: Path) -
             understand(line)
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("line", CASES)
 def test_a_documented_command_works(line: str, tmp_path: Path) -> None:
     done = ran(line, tmp_path)
@@ -144,6 +145,7 @@ EXAMPLES = [
 ]
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(("text", "how"), EXAMPLES)
 def test_an_example_file_of_the_documents_runs(text: str, how: list[str], tmp_path: Path) -> None:
     (tmp_path / "example.toml").write_text(text, encoding="utf-8")
@@ -161,6 +163,7 @@ def test_an_example_file_of_the_documents_runs(text: str, how: list[str], tmp_pa
     assert "simulated   60.0 s" in done.stdout
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("text", example_files("casualties.md"))
 def test_an_example_table_of_casualties_is_listed(text: str, tmp_path: Path) -> None:
     (tmp_path / "own.toml").write_text(text, encoding="utf-8")

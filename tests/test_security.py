@@ -158,7 +158,7 @@ def another_user(code: str, path: Path) -> str:
 
 
 @pytest.fixture
-def shared() -> Iterator[Path]:
+def common() -> Iterator[Path]:
     """Return a folder that all may write to, as the temporary one is."""
     with tempfile.TemporaryDirectory(prefix="t-") as folder:
         path = Path(folder)
@@ -166,31 +166,32 @@ def shared() -> Iterator[Path]:
         yield path
 
 
-def test_a_folder_that_another_user_made_is_not_listened_in(shared: Path) -> None:
-    another_user("os.mkdir(sys.argv[1], 0o700)", shared / "ours")
+@pytest.mark.process
+def test_a_folder_that_another_user_made_is_not_listened_in(common: Path) -> None:
+    another_user("os.mkdir(sys.argv[1], 0o700)", common / "ours")
     with pytest.raises(LinkError, match=r"not a folder of yours alone; remove it, or set XDG"):
-        private_folder(shared / "ours")
+        private_folder(common / "ours")
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="no users here")
-def test_a_folder_that_others_may_enter_or_a_link_is_not_listened_in(shared: Path) -> None:
-    (shared / "open").mkdir(mode=0o755)
-    (shared / "open").chmod(0o755)
-    (shared / "link").symlink_to(shared)
+def test_a_folder_that_others_may_enter_or_a_link_is_not_listened_in(common: Path) -> None:
+    (common / "open").mkdir(mode=0o755)
+    (common / "open").chmod(0o755)
+    (common / "link").symlink_to(common)
     for name in ("open", "link"):
         with pytest.raises(LinkError, match="not a folder of yours alone"):
-            private_folder(shared / name)
-    private_folder(shared / "own" / "deeper")
-    assert stat.S_IMODE((shared / "own" / "deeper").stat().st_mode) == 0o700
+            private_folder(common / name)
+    private_folder(common / "own" / "deeper")
+    assert stat.S_IMODE((common / "own" / "deeper").stat().st_mode) == 0o700
 
 
-def test_nothing_is_said_to_a_session_of_another_user(shared: Path) -> None:
+def test_nothing_is_said_to_a_session_of_another_user(common: Path) -> None:
     listening = (
         "end = socket.socket(socket.AF_UNIX); end.bind(sys.argv[1]); os.chmod(sys.argv[1], 0o777)\n"
         "end.listen(); end.settimeout(30); print('listening', flush=True)\n"
         "line, _ = end.accept(); line.settimeout(30); print('heard', line.recv(100))\n"
     )
-    path, said = shared / "door.sock", list[str]()
+    path, said = common / "door.sock", list[str]()
     thread = threading.Thread(target=lambda: said.append(another_user(listening, path)))
     if sys.platform != "linux" or os.geteuid() != 0:
         pytest.skip("needs the right to be another user")

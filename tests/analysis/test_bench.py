@@ -40,6 +40,7 @@ def figures() -> Figures:
     return bench(load_vessel("bb2"), 1)
 
 
+@pytest.mark.process
 def test_each_step_of_1969_gets_the_ticks_of_the_time_asked_for(figures: Figures) -> None:
     half, whole = figures.real_time
 
@@ -47,6 +48,7 @@ def test_each_step_of_1969_gets_the_ticks_of_the_time_asked_for(figures: Figures
     assert (whole.step_s, whole.ticks) == (1.0, 1)
 
 
+@pytest.mark.process
 def test_duty_cycle_is_work_over_step_and_is_compared_with_1969(figures: Figures) -> None:
     half, whole = figures.real_time
 
@@ -77,6 +79,7 @@ def test_half_of_the_ticks_are_recorded(monkeypatch: pytest.MonkeyPatch) -> None
     assert ticks == [1, 2, 3, 4]
 
 
+@pytest.mark.process
 def test_percentiles_rise_to_the_maximum(figures: Figures) -> None:
     for run in figures.real_time:
         assert run.work.p50_ns > 0
@@ -92,6 +95,7 @@ def test_a_percentile_tells_how_many_ticks_it_rests_on() -> None:
     assert samples_up(2000, 999) == 3
 
 
+@pytest.mark.process
 def test_batches_are_many_long_and_their_least_is_not_above_the_median(figures: Figures) -> None:
     tick = figures.attended
     batches = [tick.boat, tick.bare, tick.csv_row, tick.recorded, tick.subscribed]
@@ -131,6 +135,7 @@ def test_an_interruption_does_not_make_batches_short(monkeypatch: pytest.MonkeyP
     assert long_enough(work) == 2**14
 
 
+@pytest.mark.process
 def test_three_ways_to_compute_are_timed_and_the_crossing_is_their_difference(
     figures: Figures,
 ) -> None:
@@ -161,6 +166,7 @@ def test_the_loop_in_a_kernel_is_the_same_ticks(make_boat: Callable[..., Boat]) 
     assert np.array_equal(called.state.whole, looped.state.whole)
 
 
+@pytest.mark.process
 def test_sizes_are_in_bytes_and_words_and_the_state_is_under_4_kib(figures: Figures) -> None:
     assert {"state", "vessel", "compact", "scheme"} <= figures.sizes.keys()
     for size in figures.sizes.values():
@@ -178,6 +184,7 @@ def test_a_boat_that_loses_its_numbers_is_refused(make_boat: Callable[..., Boat]
         pace(boat, 1, lambda _: None)
 
 
+@pytest.mark.process
 def test_the_processor_is_named_as_the_kernel_lists_it(tmp_path: Path) -> None:
     listing = tmp_path / "cpuinfo"
     listing.write_text("processor\t: 0\nmodel name\t: A Chip @ 2 GHz\nprocessor\t: 1\n")
@@ -186,6 +193,7 @@ def test_the_processor_is_named_as_the_kernel_lists_it(tmp_path: Path) -> None:
     assert cpu_model(tmp_path / "none")
 
 
+@pytest.mark.process
 def test_the_page_is_ascii_in_79_columns(figures: Figures) -> None:
     page = render(figures)
 
@@ -204,6 +212,7 @@ def units(tree: Any, path: str = "") -> set[str]:
     return {path} if isinstance(tree, float) else set()
 
 
+@pytest.mark.process
 def test_json_is_one_object_whose_keys_carry_the_units(
     figures: Figures, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -229,6 +238,7 @@ def test_json_is_one_object_whose_keys_carry_the_units(
     assert set(asdict(Spread(1, 2, 3, 4))) == set(tree["real_time"][0]["work"])
 
 
+@pytest.mark.process
 def test_the_command_prints_the_page(figures: Figures, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bench_module, "bench", lambda *_: figures)
 
@@ -237,6 +247,7 @@ def test_the_command_prints_the_page(figures: Figures, monkeypatch: pytest.Monke
     assert result.output == render(figures) + "\n"
 
 
+@pytest.mark.process
 def test_the_troubled_tick_has_six_casualties_and_a_ratio_to_the_calm_one(
     figures: Figures,
 ) -> None:
@@ -247,6 +258,7 @@ def test_the_troubled_tick_has_six_casualties_and_a_ratio_to_the_calm_one(
     assert "tanks at work and six casualties" in render(figures)
 
 
+@pytest.mark.process
 def test_orders_over_tcp_are_answered_and_act_within_a_tick(figures: Figures) -> None:
     latency = figures.latency
 
@@ -270,6 +282,7 @@ def test_an_order_that_acts_late_is_seen_to(make_boat: Callable[..., Boat]) -> N
     assert [effect(states[given:]) for given in (0, 1, 2)] == [3, 2, 1]
 
 
+@pytest.mark.process
 def test_a_boat_without_a_rudder_has_no_effect_to_tell(figures: Figures) -> None:
     steered = replace(figures.latency, ticks_to_effect_most=0)
 

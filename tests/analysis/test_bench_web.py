@@ -42,6 +42,7 @@ def beyond(found: dict[str, Any]) -> list[str]:
     return [f"{name}: {is_} > {most}" for name, (is_, most) in bounds.items() if is_ > most]
 
 
+@pytest.mark.process
 def test_stations_in_a_browser_are_within_ten_times_the_goals(tmp_path: Path) -> None:
     find_chromium()
 

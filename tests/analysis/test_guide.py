@@ -92,6 +92,7 @@ def test_the_same_flight_passes_and_a_flight_by_another_rudder_fails() -> None:
 # --- flights on several processors
 
 
+@pytest.mark.process
 def test_several_processors_fly_to_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
     file = load_vessel("bb2")
     method = Method("modified", "lagged", "exact", "adams2", 0.5)
@@ -313,6 +314,7 @@ def test_the_summary_fits_a_terminal(book: GuideContents) -> None:
     assert text.endswith("Within tolerance.")
 
 
+@pytest.mark.process
 @pytest.mark.skipif(find_browser() is None, reason="no browser here")
 def test_a_browser_opens_the_page_without_complaint(page: str, tmp_path: Path) -> None:
     path = tmp_path / "guide.html"

@@ -35,6 +35,7 @@ def test_a_loop_of_the_clock_begins_every_tick_and_none_before_its_time() -> Non
     assert summary.lateness.p50_ns > 0
 
 
+@pytest.mark.process
 def test_a_loop_in_a_process_of_its_own_says_what_it_was_granted() -> None:
     found = on_time.loop(0.1, "busy")
 
@@ -124,6 +125,7 @@ def test_times_fall_into_bins_of_a_tenth_of_a_step() -> None:
     assert page[5].endswith("100 ms    0")
 
 
+@pytest.mark.process
 @pytest.mark.long
 def test_the_bench_steers_a_session_by_serial_lines() -> None:
     done = CliRunner().invoke(main.cli, ["bench", "--latency", "--seconds", "3", "--json"])
@@ -137,6 +139,7 @@ def test_the_bench_steers_a_session_by_serial_lines() -> None:
 # Starting
 
 
+@pytest.mark.process
 def test_where_nothing_is_compiled_a_run_is_interpreted_and_nothing_is_left_behind() -> None:
     with start_up.empty_cache() as environment:
         done = subprocess.run(
@@ -151,10 +154,12 @@ def test_where_nothing_is_compiled_a_run_is_interpreted_and_nothing_is_left_behi
     assert not Path(environment["NUMBA_CACHE_DIR"]).exists()
 
 
+@pytest.mark.process
 def test_the_console_is_timed_until_it_shows_figures() -> None:
     assert 0.0 < start_up.time_to_screen() < float("inf")
 
 
+@pytest.mark.process
 def test_a_process_that_fails_is_not_timed() -> None:
     with pytest.raises(subprocess.CalledProcessError):
         start_up.time_to_end(sys.executable, "-c", "raise SystemExit(1)")

@@ -64,6 +64,7 @@ def steady_turn(tmp_path_factory: pytest.TempPathFactory) -> dict[str, float]:
     return turn(tmp_path_factory.mktemp("turn"), "0.5")
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("quantity", "published"),
     [
@@ -80,6 +81,7 @@ def test_the_steady_turn_is_the_published_one(
     assert steady_turn[quantity] == pytest.approx(published, rel=0.02)
 
 
+@pytest.mark.process
 def test_a_step_of_one_second_gives_the_same_turn(
     steady_turn: dict[str, float], tmp_path: Path
 ) -> None:

@@ -124,6 +124,7 @@ def test_a_boat_without_a_compact_set_is_flown_by_the_full_one(tmp_path: Path) -
     )
 
 
+@pytest.mark.process
 def test_a_run_begins_by_saying_so(tmp_path: Path) -> None:
     line = ["run", "--headless", "--speed", "max", "--duration", "5", "--no-record", "--verbose"]
 

@@ -70,6 +70,7 @@ def test_the_standard_hour_is_of_the_standard_configuration_and_has_all_of_it(ho
     assert still & parts == set()
 
 
+@pytest.mark.process
 @needs_compiler
 @pytest.mark.parametrize("way", SAME_BITS, ids=lambda way: way.name)
 def test_the_tick_in_plain_c_ends_the_hour_in_the_same_bits(way: object) -> None:
@@ -80,6 +81,7 @@ def test_a_member_of_a_fleet_ends_the_hour_in_the_same_bits() -> None:
     assert digest(fly_standard_hour(in_a_fleet)) == SHA256
 
 
+@pytest.mark.process
 def test_an_interpreted_process_takes_the_same_ticks() -> None:
     expected = digest(fly_standard_hour(in_a_loop, SHORT))
 
@@ -105,6 +107,7 @@ def test_one_bit_of_difference_is_told() -> None:
     assert not same_bits(alike | {"three": lambda: "b"}).same
 
 
+@pytest.mark.process
 @needs_compiler
 def test_a_record_laid_out_otherwise_is_refused_by_the_compiler(
     monkeypatch: pytest.MonkeyPatch,

@@ -86,6 +86,7 @@ def ended(several: Sequence[int], seconds: float) -> int:
     return len(several) - len(waiting)
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("script", [POOL, SEARCH], ids=["at work", "of a search"])
 def test_workers_end_with_the_process_that_started_them_though_it_is_killed(
     script: str, tmp_path: Path
@@ -99,6 +100,7 @@ def test_workers_end_with_the_process_that_started_them_though_it_is_killed(
         assert ended(several, 10.0) == 2
 
 
+@pytest.mark.process
 def test_an_interrupt_is_left_to_the_process_that_started_them() -> None:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # none inherits another
     try:

@@ -270,6 +270,7 @@ main()
 """
 
 
+@pytest.mark.process
 @pytest.mark.long
 def test_a_run_with_sea_tanks_and_orders_gives_the_same_bits_at_any_pace_and_without_jit(
     tmp_path: Path,

@@ -27,6 +27,7 @@ BUILD = "trainer export-core DIR --cpu wasm32 builds it; copy core.wasm and core
 AGAIN = f"core.wasm is of another core: {BUILD}"
 
 
+@pytest.mark.process
 def test_the_standard_hour_ends_in_its_bits() -> None:
     deeds, end = standard_hour()
     boat = standard_boat()
@@ -45,6 +46,7 @@ def test_the_shipped_module_is_of_this_core() -> None:
     assert hashlib.sha256(wasm.SHIPPED.read_bytes()).hexdigest() == CARD["sha256"]
 
 
+@pytest.mark.process
 def test_the_module_imports_nothing_and_shows_what_a_host_needs() -> None:
     node = installed("node", "nodejs")
     script = (
@@ -124,6 +126,7 @@ def test_without_a_linker_another_method_is_refused_with_what_is_missing(
         wasm.files_of(boat)
 
 
+@pytest.mark.process
 def test_a_linker_that_fails_is_told_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -22,9 +22,12 @@ from trainer.core.stall import is_stalled
 from trainer.core.state import FIELDS
 from trainer.units import KNOT
 
-pytestmark = pytest.mark.skipif(
-    not shutil.which("gcc") and not shutil.which("cc"), reason="there is no C compiler"
-)
+pytestmark = [
+    pytest.mark.process,
+    pytest.mark.skipif(
+        not shutil.which("gcc") and not shutil.which("cc"), reason="there is no C compiler"
+    ),
+]
 
 # equations, rates, trigonometry, integrator: all that the C has, each at least once
 WAYS: Final = (

@@ -82,6 +82,7 @@ def test_what_is_wrong_with_a_ship_is_refused_by_its_name(
     assert any(told in each for each in said)
 
 
+@pytest.mark.process
 def test_a_run_with_a_wrong_ship_ends_with_2(tmp_path: Path) -> None:
     path = write(tmp_path, SHIP + "speed_kn = 21\n")
     done = subprocess.run(

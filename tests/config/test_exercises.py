@@ -405,6 +405,7 @@ def ran(*words: str, typed: str = "") -> "subprocess.CompletedProcess[str]":
     )
 
 
+@pytest.mark.process
 def test_a_run_of_an_exercise_begins_with_its_briefing_and_ends_by_itself() -> None:
     done = ran("run", "stern-plane-jam", "--speed", "max", typed="help\n")
     assert done.returncode == 0
@@ -420,12 +421,14 @@ def test_a_run_of_an_exercise_begins_with_its_briefing_and_ends_by_itself() -> N
     assert "simulated   " in done.stderr
 
 
+@pytest.mark.process
 def test_a_headless_run_names_its_events_in_the_summary() -> None:
     done = ran("run", "stern-plane-jam", "--headless", "--speed", "max")
     assert done.returncode == 0
     assert re.search(r"events .*deeper than 140 m 1 time", done.stdout)
 
 
+@pytest.mark.process
 def test_a_headless_run_tells_what_was_refused_of_its_schedule_and_ends_with_code_1(
     tmp_path: Path,
 ) -> None:
@@ -464,6 +467,7 @@ def test_a_boat_that_its_tanks_cannot_bring_into_trim_is_refused() -> None:
         heavier.start(Boat(plan.file, plan.method))
 
 
+@pytest.mark.process
 def test_an_orders_file_gives_the_autopilot_nothing_that_the_exercise_has_in_hand(
     tmp_path: Path,
 ) -> None:
@@ -482,6 +486,7 @@ def test_an_orders_file_gives_the_autopilot_nothing_that_the_exercise_has_in_han
     assert "in hand" not in allowed.stderr
 
 
+@pytest.mark.process
 def test_a_wrong_exercise_or_sea_ends_with_code_2_and_one_line() -> None:
     for words in (("run", "heavyboat"), ("run", "--sea", "sea-state-55")):
         done = ran(*words)
@@ -561,6 +566,7 @@ def test_casualties_of_ones_own_are_known_though_the_head_of_the_file_is_wrong(
     assert error.value.problems == ("drill.toml: lacks name",)
 
 
+@pytest.mark.process
 def test_the_lists_name_everything_in_79_columns() -> None:
     exercises, casualties = ran("exercises"), ran("casualties")
     names = [line.split()[0] for line in exercises.stdout.splitlines()]

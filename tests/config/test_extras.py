@@ -87,6 +87,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "run.trainer"
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(("hidden", "line", "library"), NEEDING, ids=str)
 def test_a_command_that_needs_an_extra_names_it_in_one_line(
     hidden: tuple[str, ...], line: str, library: str, recording: Path, tmp_path: Path
@@ -102,6 +103,7 @@ def test_a_command_that_needs_an_extra_names_it_in_one_line(
     assert f"pip install '{PACKAGE}[{EXTRAS[library]}]'" in done.stderr
 
 
+@pytest.mark.process
 def test_a_run_without_the_viewer_says_so_and_sails(tmp_path: Path) -> None:
     line = "run --headless --speed max --duration 5 --no-record --rrd out.rrd"
 
@@ -112,6 +114,7 @@ def test_a_run_without_the_viewer_says_so_and_sails(tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.process
 def test_the_plain_install_checks_a_boat_and_flies_an_exercise(tmp_path: Path) -> None:
     for line in ("check bb2", "exercise check depth-changes", "manoeuvre turning-circle bb2"):
         done = without(tuple(EXTRAS), line, tmp_path)

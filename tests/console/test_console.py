@@ -834,6 +834,7 @@ def test_the_first_drawing_of_a_screen_has_what_had_come_by_then(
 # What it is made of
 
 
+@pytest.mark.process
 def test_the_screens_load_neither_numbers_nor_boats() -> None:
     code = (
         "import sys, trainer.console.launch; "

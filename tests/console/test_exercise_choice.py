@@ -125,6 +125,7 @@ def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
     assert left.value.code == 0
 
 
+@pytest.mark.process
 @pytest.mark.long
 @pytest.mark.skipif(os.name != "posix", reason="terminals of POSIX")
 @pytest.mark.parametrize(("words", "asks"), [((), True), (("--no-record",), False)])

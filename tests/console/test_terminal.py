@@ -31,6 +31,7 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import order_sentence, read
 
 pytestmark = [
+    pytest.mark.process,
     pytest.mark.long,
     pytest.mark.skipif(os.name != "posix", reason="terminals of POSIX"),
     pytest.mark.skipif(shutil.which("tmux") is None, reason="no tmux here"),

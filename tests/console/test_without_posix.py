@@ -24,12 +24,14 @@ def without_posix(file: str, folder: Path, *, patience: float) -> list[str]:
     return done.stdout.splitlines()
 
 
+@pytest.mark.process
 def test_no_module_imports_what_only_posix_has(tmp_path: Path) -> None:
     *wrong, count = without_posix("import_all.py", tmp_path, patience=120.0)
     assert wrong == []
     assert int(count) > 300
 
 
+@pytest.mark.process
 @pytest.mark.long
 def test_a_session_of_one_s_own_is_reached_over_loopback_with_a_token(tmp_path: Path) -> None:
     (tmp_path / "submarine-trainer").mkdir(mode=0o700)

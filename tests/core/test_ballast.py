@@ -789,6 +789,7 @@ print(hashlib.sha256(state.tobytes()).hexdigest(), s.weight)
 """
 
 
+@pytest.mark.process
 @pytest.mark.long
 def test_tanks_and_air_are_the_same_to_the_bit_without_the_compiler(tmp_path: Path) -> None:
     answers = [

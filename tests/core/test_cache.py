@@ -14,6 +14,8 @@ import trainer
 from trainer.core import cache
 from trainer.core.cache import CODE, DIGEST
 
+pytestmark = pytest.mark.process
+
 PACKAGE = Path(trainer.__file__).parent
 GAUSSIAN = """
 from trainer.core.noise import gaussian

@@ -78,6 +78,7 @@ def test_what_is_not_finite_stays_so(function: Any) -> None:
         assert np.isnan(function(np.float64("inf")))
 
 
+@pytest.mark.process
 def test_a_compiler_of_another_version_is_not_given_options_of_its_own() -> None:
     code = (
         "import math, numba\n"

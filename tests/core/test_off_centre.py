@@ -188,6 +188,7 @@ def test_the_image_of_a_hull_that_breaks_surface_is_lifted_as_its_image() -> Non
     assert image == pytest.approx(ours * [1, -1, 1, -1, 1, -1], rel=1e-13)
 
 
+@pytest.mark.process
 @pytest.mark.skipif(
     not shutil.which("gcc") and not shutil.which("cc"), reason="there is no C compiler"
 )

@@ -809,6 +809,7 @@ def test_what_is_no_recording_or_of_another_version_is_told(
         read_dossier(other, None)
 
 
+@pytest.mark.process
 def test_the_command_writes_the_page_of_a_run(tmp_path: Path) -> None:
     def ran(*words: str) -> "subprocess.CompletedProcess[str]":
         return subprocess.run(
@@ -843,6 +844,7 @@ def test_without_a_browser_the_next_step_is_told(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.process
 def test_a_browser_that_prints_nothing_is_told_with_what_it_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -852,6 +854,7 @@ def test_a_browser_that_prints_nothing_is_told_with_what_it_said(
         print_pdf(tmp_path / "page.html", tmp_path / "page.pdf")
 
 
+@pytest.mark.process
 @browsing
 def test_a_browser_opens_the_page_without_an_error_and_prints_it(
     kept: Kept, page: str, tmp_path: Path

@@ -400,6 +400,7 @@ def test_a_damaged_file_of_changes_is_told(kept: Path) -> None:
         read_compared(kept, Asked())
 
 
+@pytest.mark.process
 def test_the_commands_refuse_what_makes_no_sense(tmp_path: Path) -> None:
     def ran(*words: str) -> tuple[int, str]:
         command = [sys.executable, "-c", "from trainer.cli.main import main; main()", *words]

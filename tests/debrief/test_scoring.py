@@ -424,6 +424,7 @@ def ran(folder: Path, *words: str) -> "subprocess.CompletedProcess[str]":
     )
 
 
+@pytest.mark.process
 def test_a_new_exercise_is_valid_has_the_name_given_and_is_never_written_over(
     tmp_path: Path,
 ) -> None:
@@ -444,6 +445,7 @@ def test_a_new_exercise_is_valid_has_the_name_given_and_is_never_written_over(
     assert (tmp_path / "drill.toml").read_bytes() == before
 
 
+@pytest.mark.process
 def test_a_new_exercise_can_begin_as_a_shipped_one_with_comments(tmp_path: Path) -> None:
     words = ("exercise", "new", "drill.toml", "--from", "stern-plane-jam", "--name", "Our jam")
     assert ran(tmp_path, *words).returncode == 0
@@ -458,6 +460,7 @@ def test_a_new_exercise_can_begin_as_a_shipped_one_with_comments(tmp_path: Path)
     assert "nearest is stern-plane-jam" in other.stderr
 
 
+@pytest.mark.process
 def test_a_name_that_cannot_be_leaves_no_file(tmp_path: Path) -> None:
     done = ran(tmp_path, "exercise", "new", "drill.toml", "--name", "x" * 56)
     assert done.returncode == 2
@@ -465,6 +468,7 @@ def test_a_name_that_cannot_be_leaves_no_file(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.process
 def test_a_check_tells_what_an_exercise_is_or_all_that_is_wrong(tmp_path: Path) -> None:
     told = ran(tmp_path, "exercise", "check", "crash-stop").stdout
     assert "name    Passage, traffic" in told
@@ -481,6 +485,7 @@ def test_a_check_tells_what_an_exercise_is_or_all_that_is_wrong(tmp_path: Path) 
     assert len(wrong.stderr.splitlines()) == 2
 
 
+@pytest.mark.process
 def test_a_check_notes_what_may_not_be_meant(tmp_path: Path) -> None:
     (tmp_path / "drill.toml").write_text(
         SHORTEST + 'vessel = "remus100"\nduration_s = 60\n'

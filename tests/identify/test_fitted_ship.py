@@ -41,6 +41,7 @@ def ship() -> Any:
     return fitted(motion(1))
 
 
+@pytest.mark.process
 def test_importing_it_costs_nothing_until_it_is_used() -> None:
     code = (
         "import sys, trainer.identify as i; assert 'numpy' not in sys.modules; "

@@ -507,6 +507,7 @@ print(summary.gaps, summary.gap_ns, summary.caught_up, summary.skipped, flush=Tr
 """
 
 
+@pytest.mark.process
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no SIGSTOP on this system")
 def test_a_real_process_stopped_for_five_seconds_has_a_gap_and_no_burst() -> None:
     with subprocess.Popen([sys.executable, "-c", CHILD], stdout=subprocess.PIPE) as child:

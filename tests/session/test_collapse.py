@@ -299,6 +299,7 @@ def wreck(tmp_path_factory: pytest.TempPathFactory) -> "tuple[Path, str, str, in
     return folder, ran.stdout, ran.stderr, ran.returncode
 
 
+@pytest.mark.process
 def test_a_headless_run_past_collapse_depth_ends_with_exit_code_1_and_says_so(
     wreck: tuple[Path, str, str, int],
 ) -> None:
@@ -312,6 +313,7 @@ def test_a_headless_run_past_collapse_depth_ends_with_exit_code_1_and_says_so(
     assert 400.0 < deepest[-1] == max(deepest) < 455.0
 
 
+@pytest.mark.process
 def test_the_recording_of_a_collapse_is_whole_and_the_same_to_the_bit(
     wreck: tuple[Path, str, str, int],
 ) -> None:
@@ -323,6 +325,7 @@ def test_the_recording_of_a_collapse_is_whole_and_the_same_to_the_bit(
         assert file.execute("PRAGMA integrity_check").fetchone() == ("ok",)
 
 
+@pytest.mark.process
 def test_a_collapse_resumed_is_a_collapse_until_somebody_goes_back(
     wreck: tuple[Path, str, str, int],
 ) -> None:

@@ -272,12 +272,14 @@ def kill_often(nursery: Nursery, exercise: Path, kills: int, speed: str = "max")
     assert table(nursery, path) == table(nursery, whole)
 
 
+@pytest.mark.process
 def test_a_run_killed_at_any_instant_goes_on_to_the_same_bits(
     nursery: Nursery, exercise: Path
 ) -> None:
     kill_often(nursery, exercise, 8)
 
 
+@pytest.mark.process
 def test_a_run_killed_in_real_time_goes_on_to_the_same_bits(
     nursery: Nursery, exercise: Path
 ) -> None:
@@ -382,6 +384,7 @@ def kill_driven(nursery: Nursery, folder: Path, number: int, dice: random.Random
     assert flown(path) == flown(straight)
 
 
+@pytest.mark.process
 def test_every_order_that_was_answered_is_kept_and_acts_again(
     nursery: Nursery, tmp_path: Path
 ) -> None:

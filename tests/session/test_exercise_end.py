@@ -16,6 +16,8 @@ from soak.session_process import Caller, GoneError
 
 from trainer.io.recording.recording import Recording
 
+pytestmark = pytest.mark.process
+
 PATIENCE = 120.0  # [s] until it listens, on a machine that is busy
 ANSWER = 20.0  # [s]
 EXERCISE = """

@@ -18,6 +18,8 @@ from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
 from trainer.io.orders import sentences
 
+pytestmark = pytest.mark.process
+
 TRAINER = [sys.executable, "-m", "trainer"]
 PATIENCE = 60.0  # [s]
 OTHER = "in other words"

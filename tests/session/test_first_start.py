@@ -71,6 +71,7 @@ def trained(*words: str, cache: Path | None = None, code: str = "") -> "Done":
 Done = subprocess.CompletedProcess[str]
 
 
+@pytest.mark.process
 def test_a_first_run_in_real_time_is_interpreted_and_says_so_to_whoever_comes(
     tmp_path: Path,
 ) -> None:
@@ -88,6 +89,7 @@ def test_a_first_run_in_real_time_is_interpreted_and_says_so_to_whoever_comes(
     assert not list(tmp_path.rglob("*.nbi"))
 
 
+@pytest.mark.process
 def test_the_interpreted_run_writes_the_bytes_of_the_compiled_one(tmp_path: Path) -> None:
     exercise = ("run", "periscope-depth", "--headless", "--verbose", "--duration", "20", "--speed")
     with compiled_by_another(tmp_path / "cache"):
@@ -132,6 +134,7 @@ def once_at_sea(record: Path, do: Callable[[], object]) -> None:
     do()
 
 
+@pytest.mark.process
 def test_a_first_run_goes_over_to_machine_code_between_two_ticks_with_the_same_bits(
     tmp_path: Path,
 ) -> None:
@@ -177,6 +180,7 @@ def test_a_first_run_whose_compilation_fails_goes_on_interpreted_and_says_so(
         assert "compiling beside has failed" in [each.text for each in recording.events()]
 
 
+@pytest.mark.process
 def test_the_note_is_among_what_whoever_comes_is_told(tmp_path: Path) -> None:
     with compiled_by_another(tmp_path):
         done = trained("run", "--teletype", "--duration", "0.5", cache=tmp_path)
@@ -260,6 +264,7 @@ def test_one_process_compiles_however_many_are_started(started: list[str]) -> No
     assert started == ["interpreted", "process", "interpreted"]
 
 
+@pytest.mark.process
 def test_who_makes_a_page_is_told_that_the_boat_is_compiled_and_once(tmp_path: Path) -> None:
     page = str(tmp_path / "boat.html")
     with all_but_the_mark(tmp_path / "cache"):
@@ -287,6 +292,7 @@ def test_what_went_wrong_beside_is_done_again_where_it_is_seen(
     assert started == []
 
 
+@pytest.mark.process
 def test_what_is_compiled_beside_is_what_runs_and_not_what_lies_in_the_folder(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -321,6 +327,7 @@ def test_who_starts_once_the_tick_is_there_is_told_so_and_compiles_the_rest_besi
     assert started == ["interpreted", "process"]
 
 
+@pytest.mark.process
 def test_a_process_that_compiles_holds_the_lock_until_it_ends_whoever_started_it(
     empty_cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -503,6 +510,7 @@ def test_the_process_beside_compiles_all_that_a_run_needs_and_ends(tmp_path: Pat
     assert not list(tmp_path.rglob(compilation.COMPLAINTS))
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("words", "needed"),
     [

@@ -259,6 +259,7 @@ def place_of(row: dict[str, float]) -> tuple[float, float]:
     return DEFAULT.position(row["x"], row["y"])
 
 
+@pytest.mark.process
 @pytest.mark.long
 @pytest.mark.parametrize("way", ["pty", "udp"])
 def test_pynmea2_reads_every_sentence_of_ten_minutes_and_it_is_the_state(
@@ -279,6 +280,7 @@ def test_pynmea2_reads_every_sentence_of_ten_minutes_and_it_is_the_state(
         assert said["PASH"].roll == pytest.approx(math.degrees(row["phi"]), abs=0.0051)
 
 
+@pytest.mark.process
 @pytest.mark.long
 @pytest.mark.parametrize("way", ["pty", "udp"])
 def test_no_set_is_cut_short_by_a_reader_that_keeps_up(stream: Stream, way: str) -> None:
@@ -288,6 +290,7 @@ def test_no_set_is_cut_short_by_a_reader_that_keeps_up(stream: Stream, way: str)
     assert all(isinstance(nmea.hear(line), nmea.Sentence) for line in stream.lines[way])
 
 
+@pytest.mark.process
 @pytest.mark.long
 def test_a_line_that_nobody_reads_loses_its_own_sentences_only(stream: Stream) -> None:
     lost = re.search(rf"trainer: .*nmea {re.escape(stream.deaf)}: (\d+) lines", stream.account)
@@ -327,12 +330,14 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Kept:
     return Kept(folder / "drill.nmea", rows)
 
 
+@pytest.mark.process
 def test_a_file_has_every_tick_of_a_run_at_full_speed(kept: Kept) -> None:
     lines = kept.path.read_bytes().decode("ascii").split("\r\n")
     assert lines.pop() == ""
     assert sorted(by_tick(lines)) == list(range(1201))
 
 
+@pytest.mark.process
 def test_gpsd_rejects_nothing_and_reports_every_tick_as_it_was(kept: Kept) -> None:
     done = subprocess.run(
         [gpsdecode(), "-D", "1", "-j"],
@@ -383,6 +388,7 @@ def watched(port: int) -> Iterator[dict[str, Any]]:
         yield from map(json.loads, text)
 
 
+@pytest.mark.process
 @needs_pty
 def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(
     on_deck: Callable[..., Deck],
@@ -451,6 +457,7 @@ input.on('line', (line) => {
 """
 
 
+@pytest.mark.process
 def test_signal_k_takes_every_sentence(kept: Kept, tmp_path: Path) -> None:
     modules = signal_k(tmp_path)
     (tmp_path / "parse.js").write_text(PARSER, encoding="ascii")

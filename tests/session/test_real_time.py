@@ -19,7 +19,10 @@ from helpers.places import environment
 from trainer.io.orders.sentences import order_sentence, read
 from trainer.io.recording.recording import Noted, Recording
 
-pytestmark = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
+pytestmark = [
+    pytest.mark.process,
+    pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here"),
+]
 
 COMMAND = [sys.executable, "-c", "from trainer.cli.main import main; main()"]
 PATIENCE = 60.0  # [s] a first run compiles

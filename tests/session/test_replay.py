@@ -450,6 +450,7 @@ def taken(path: Path) -> int:
     return used.ru_maxrss
 
 
+@pytest.mark.process
 @pytest.mark.skipif(sys.platform != "linux", reason="other units of memory elsewhere")
 @pytest.mark.parametrize(
     "what",
@@ -465,6 +466,7 @@ def test_a_recording_takes_a_bounded_memory_whatever_is_in_it(run: Run, what: st
     assert taken(run.path) < empty + BOUND
 
 
+@pytest.mark.process
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_ctrl_c_ends_a_long_question_to_a_recording(tmp_path: Path) -> None:
     code = (

@@ -29,6 +29,8 @@ from trainer.io.recording.recording import Recording
 from trainer.session.layout import LAYOUT
 from trainer.units import KNOT
 
+pytestmark = pytest.mark.process
+
 rerun = pytest.importorskip("rerun", reason="rerun-sdk is not installed: half a gigabyte")
 chunks = pytest.importorskip("rerun.chunk")
 

@@ -21,6 +21,8 @@ from trainer.session.options import RunOptions
 from trainer.session.ports import Ports
 from trainer.session.run import run_boat
 
+pytestmark = pytest.mark.process
+
 COMMAND = [sys.executable, "-c", "from trainer.cli.main import main; main()"]
 PATIENCE = 120.0  # [s] a first run compiles
 HEADLESS = ("run", "--headless", "--speed", "max")
@@ -77,6 +79,15 @@ def heard(process: "subprocess.Popen[str]", words: str) -> str:
         if words in line:
             return line
     raise AssertionError(f"{words!r} was never said")
+
+
+def reached(process: "subprocess.Popen[str]", clock: str) -> str:
+    """Return the next line of that clock or a later one: a run that was held up leaves some out."""
+    assert process.stdout
+    for line in process.stdout:
+        if re.match(r"\d\d:\d\d:\d\d", line) and line >= clock:
+            return line
+    raise AssertionError(f"{clock} was never reached")
 
 
 def say(process: "subprocess.Popen[str]", words: str) -> None:
@@ -206,11 +217,18 @@ def test_a_disk_that_fills_up_keeps_the_rows_that_are_said_to_be_whole(
 # The same inputs, the same bits
 
 
-def recorded(start: Start, folder: Path, *words: str, typed: str = "", **environment: str) -> bytes:
+def recorded(
+    start: Start,
+    folder: Path,
+    *words: str,
+    duration: float = 15.0,
+    typed: str = "",
+    **environment: str,
+) -> bytes:
     """Return the CSV bytes of a run under scheduled orders."""
     (folder / "orders.txt").write_text(ORDERS)
     files = ("--orders", "orders.txt", "--csv", "out.csv")
-    ran = Run(start("run", *words, "--duration", "15", *files, **environment), typed)
+    ran = Run(start("run", *words, "--duration", f"{duration}", *files, **environment), typed)
     assert ran.code == 0, ran.err
     return (folder / "out.csv").read_bytes()
 
@@ -236,11 +254,11 @@ def test_the_same_inputs_give_the_same_bits(start: Start, tmp_path: Path, equati
 
 
 def test_frozen_and_resumed_in_real_time_gives_the_same_bits(start: Start, tmp_path: Path) -> None:
-    reference = recorded(start, tmp_path, "--headless", "--speed", "max")
-    files = ("--orders", "orders.txt", "--csv", "out.csv")
-    process = start("run", "--speed", "20", "--duration", "15", *files)
+    """The run ends when it is told to: on a machine that stalls none would be left to freeze."""
+    (tmp_path / "orders.txt").write_text(ORDERS)
+    process = start("run", "--speed", "20", "--orders", "orders.txt", "--csv", "out.csv")
+    reached(process, "00:00:02")
     for words, answer in (
-        ("", "00:00:02"),
         ("freeze\n", "frozen"),
         ("step 2\n", "2 ticks"),
         ("time max\n", "time runs as fast"),
@@ -249,9 +267,15 @@ def test_frozen_and_resumed_in_real_time_gives_the_same_bits(start: Start, tmp_p
     ):
         say(process, words)
         heard(process, answer)
+    reached(process, "00:00:15")
+    say(process, "quit\n")
+    ran = Run(process)
+    found = (tmp_path / "out.csv").read_bytes()
 
-    assert Run(process).code == 0
-    assert (tmp_path / "out.csv").read_bytes() == reference
+    assert ran.code == 0
+    duration = 0.5 * (found.count(b"\n") - 2)
+    assert duration >= 15.0
+    assert found == recorded(start, tmp_path, "--headless", "--speed", "max", duration=duration)
 
 
 @posix
@@ -261,7 +285,7 @@ def test_a_killed_run_leaves_whole_rows_and_run_again_gives_the_same_bits(
     reference = recorded(start, tmp_path, "--headless", "--speed", "max")
     files = ("--orders", "orders.txt", "--csv", "out.csv")
     process = start("run", "--speed", "10", "--duration", "15", *files)
-    heard(process, "00:00:04")
+    reached(process, "00:00:04")
     process.kill()
     process.wait(PATIENCE)
 
@@ -284,7 +308,7 @@ def test_a_signal_ends_the_run_cleanly_with_its_recording_complete(
     start: Start, tmp_path: Path, number: int, words: str
 ) -> None:
     process = start("run", "--speed", "20", "--csv", "out.csv")
-    heard(process, "00:00:02")
+    reached(process, "00:00:02")
     if words:
         say(process, words)
         heard(process, {"freeze\n": "frozen", "time max\n": "time runs as fast"}[words])
@@ -359,10 +383,12 @@ def test_closed_streams_do_not_disturb_the_run_or_get_into_its_recording(
 @posix
 def test_a_stopped_process_goes_on_without_a_burst_and_the_gap_is_told(start: Start) -> None:
     process = start("run", "--speed", "10", "--verbose")  # 20 lines a second
-    heard(process, "00:00:02")
+    reached(process, "00:00:02")
     process.send_signal(signal.SIGSTOP)
+    stopped = time.monotonic()
     time.sleep(2.0)
     process.send_signal(signal.SIGCONT)
+    gap = time.monotonic() - stopped  # [s] longer where this process was held up too
     told = heard(process, "the process was not running for")
     resumed = time.monotonic()
     at = int(told.split()[1].rstrip(":"))
@@ -371,17 +397,17 @@ def test_a_stopped_process_goes_on_without_a_burst_and_the_gap_is_told(start: St
     say(process, "quit\n")
     ran = Run(process)
 
-    assert float(told.split()[-2]) == pytest.approx(2.0, abs=0.5)
+    assert float(told.split()[-2]) == pytest.approx(gap, abs=0.5)
     assert taken > 0.5  # a burst is over at once; 20 ticks take 0.95 s
     assert len(lines) == 20
     assert at < 20  # 40 ticks were due meanwhile
     assert ran.code == 0
-    assert re.search(r"simulated .* not running for [12]\.\d s", ran.err)
+    assert re.search(r"simulated .* not running for \d+\.\d s", ran.err)
     found = re.search(r"caught up (\d+), slipped (\d+), gaps (\d+) \(([\d.]+) s\)", ran.err)
     assert found
     assert int(found[1]) + int(found[2]) < 15
     assert int(found[3]) >= 1
-    assert float(found[4]) == pytest.approx(2.0, abs=0.5)
+    assert float(found[4]) > gap - 0.5
 
 
 # The console on a line

@@ -294,6 +294,7 @@ zero = 300
 """
 
 
+@pytest.mark.process
 def test_a_recorded_run_is_replayed_and_debriefed(tmp_path: Path) -> None:
     """At 3.09 m/s each on crossing courses, the ferry 100 m further off: 71 m at the closest."""
     (tmp_path / "x.toml").write_text(CROSSED)

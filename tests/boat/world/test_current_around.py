@@ -300,6 +300,7 @@ def test_what_is_no_current_is_told_in_one_line_with_what_would_be(text: str, to
         assert "[current" in str(wrong.value)
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("words", [("run", "{0}"), ("run", "--sea", "{1}")])
 def test_a_wrong_current_ends_a_run_with_code_2(words: tuple[str, ...], tmp_path: Path) -> None:
     exercise, sea = tmp_path / "wrong.toml", tmp_path / "sea.toml"

@@ -1,0 +1,41 @@
+"""The tests of every commit, `-m "not process and not slow"`, start no process."""
+
+import multiprocessing
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+
+import pytest
+from helpers.process_guard import STARTING_FIXTURES, starts_processes
+
+STARTS: dict[str, Callable[[], object]] = {
+    "a program": lambda: subprocess.run([sys.executable, "-c", ""], check=False),
+    "a shell": lambda: os.system("true"),  # noqa: S605
+    "a fork": os.fork,
+    "a spawned worker": multiprocessing.get_context("spawn").Process(target=int).start,
+    "a server of forks": multiprocessing.get_context("forkserver").Process(target=int).start,
+}
+
+
+@pytest.mark.parametrize("start", STARTS.values(), ids=STARTS)
+@pytest.mark.skipif(os.name != "posix", reason="forks of POSIX")
+def test_a_test_that_starts_a_process_unmarked_fails(start: Callable[[], object]) -> None:
+    with pytest.raises(pytest.fail.Exception, match="mark it process"):
+        start()
+
+
+@pytest.mark.process
+def test_a_test_that_is_marked_may_start_one() -> None:
+    assert subprocess.run([sys.executable, "-c", ""], check=False).returncode == 0
+
+
+def test_a_test_is_marked_by_a_fixture_that_starts_one(request: pytest.FixtureRequest) -> None:
+    item = request.node
+    unmarked = starts_processes(item)
+    with pytest.MonkeyPatch.context() as names:
+        for name in STARTING_FIXTURES:
+            names.setattr(item, "fixturenames", [name])
+            assert starts_processes(item)
+
+    assert not unmarked
