@@ -16,6 +16,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 TOPIC = re.compile(r"^#+ (.*)$", re.MULTILINE)
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
+PROMISE = re.compile(r"\bAfter this page (you|a script)\b")
 
 
 def prose(page: Path) -> str:
@@ -120,3 +121,15 @@ def test_figures_flown_with_bb2_name_the_day_and_the_boat(name: str) -> None:
     assert digest == digest_of_bb2() or "an earlier" in remark, (
         f"BB2 is {digest_of_bb2()} today: fly them again, or say that they are of an earlier file"
     )
+
+
+def test_a_page_begins_with_what_its_reader_can_do_after_it() -> None:
+    pages = [page for page in DOCS.glob("*.md") if page.name != "index.md"]
+    silent = [
+        page.name
+        for page in pages
+        if not PROMISE.search(page.read_text(encoding="utf-8").partition("\n## ")[0])
+    ]
+
+    assert pages
+    assert not silent

@@ -1,7 +1,7 @@
 """The shape of the house: packages, layers, sizes, and the names on disk and on the wire."""
 
 import ast
-import statistics
+import re
 import tomllib
 from pathlib import Path
 
@@ -9,6 +9,7 @@ import grimp
 import pytest
 from fuzz.lines import GRAMMAR
 from helpers.places import ROOT
+from helpers.syntax import nodes_of
 
 from trainer.boat.export.header import PUBLISHED, members
 from trainer.core.state import STATE
@@ -18,30 +19,11 @@ from trainer.session.layout import LAYOUT
 from trainer.session.stations.roles import KINDS
 
 PACKAGE = ROOT / "trainer"
-PACKAGES = {
-    *(
-        "core",
-        "io",
-        "config",
-        "boat",
-        "session",
-        "console",
-        "web",
-        "analysis",
-        "debrief",
-        "report",
-        "identify",
-        "cli",
-    ),
-}
-FILES = {"__init__.py", "__main__.py", "units.py"}
+PACKAGES = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 MODULES = [path for path in SOURCES if path.name != "__init__.py"]
-
-
-def test_the_house_has_twelve_packages_and_three_files() -> None:
-    assert {each.parent.name for each in PACKAGE.glob("*/__init__.py")} == PACKAGES
-    assert {each.name for each in PACKAGE.glob("*.py")} == FILES
+MAX_LINES = 500  # of a module that does not say why it is longer, as a linter would warn
+REASONED = re.compile(r"^# long: \w.*$", re.MULTILINE)
 
 
 def test_no_module_lies_beside_a_package_of_its_name() -> None:
@@ -53,28 +35,27 @@ def test_the_wheel_has_no_c_but_the_host_of_an_exported_core() -> None:
     assert [path.name for path in PACKAGE.rglob("*.[ch]")] == ["host.c"]
 
 
-def test_modules_are_short() -> None:
-    longest = max(SOURCES, key=lambda path: len(path.read_text(encoding="utf-8").splitlines()))
-    assert len(longest.read_text(encoding="utf-8").splitlines()) <= 500, longest
+def is_too_long(text: str) -> bool:
+    """Return whether a module is long and has no comment `# long: why`."""
+    return len(text.splitlines()) > MAX_LINES and not REASONED.search(text)
 
 
-def test_functions_are_short() -> None:
-    sizes = sorted(
-        node.end_lineno - node.lineno + 1
-        for path in SOURCES
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.FunctionDef) and node.end_lineno
-    )
-    assert statistics.median(sizes) <= 8
-    assert sizes[int(0.9 * len(sizes))] <= 20
+def test_a_long_module_says_why() -> None:
+    assert not [path for path in SOURCES if is_too_long(path.read_text(encoding="utf-8"))]
+
+
+def test_a_reason_silences_the_length_of_a_module() -> None:
+    long = "x = 1\n" * (MAX_LINES + 1)
+
+    assert is_too_long(long)
+    assert is_too_long(f"# long:\n{long}")
+    assert not is_too_long(f"# long: one table\n{long}")
 
 
 def test_layers_name_packages_only() -> None:
     table = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = table["tool"]["importlinter"]["contracts"]
-    assert len(contracts) == 5
     layers, *_ = (each["layers"] for each in contracts if each["type"] == "layers")
-    assert len(layers) <= 10
     named = {name.strip() for layer in layers for name in layer.split("|")}
     assert named == {f"trainer.{package}" for package in PACKAGES}
 
@@ -85,7 +66,7 @@ def test_options_below_the_command_line_are_records() -> None:
         (path, node)
         for path in SOURCES
         if path.parent != PACKAGE / "cli"
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in nodes_of(path)
         if isinstance(node, ast.FunctionDef)
     ]
     kinds = [

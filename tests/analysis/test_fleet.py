@@ -368,6 +368,7 @@ def test_fleets_in_threads_are_those_flown_one_after_the_other(boat: Boat) -> No
     assert digest(fleets[1].states) == digest(fleets[3].states)
 
 
+@pytest.mark.process
 @compiled
 @pytest.mark.parametrize(
     ("name", "first"), [("accelerate", int64), ("deflect", float64), ("answer", float64)]

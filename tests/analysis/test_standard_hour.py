@@ -52,6 +52,7 @@ def hour() -> Boat:
 
 
 @pytest.mark.core
+@pytest.mark.laws
 def test_the_standard_hour_ends_in_its_bits_also_without_jit(hour: Boat) -> None:
     assert digest(hour) == SHA256
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from helpers.places import ROOT
+from helpers.syntax import nodes_of
 
 from trainer.analysis.workers import workers
 
@@ -117,7 +118,7 @@ def test_every_pool_of_processes_is_made_in_the_one_place() -> None:
     makers = {
         str(path.relative_to(ROOT))
         for path in (ROOT / "trainer").rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in nodes_of(path)
         if isinstance(node, ast.Call)
         and ast.unparse(node.func).endswith(("ProcessPoolExecutor", "Pool"))
     }

@@ -91,6 +91,7 @@ def test_a_part_without_its_compiler_is_left_out_and_says_why(
     assert json.loads(said("--against-c", "--json"))["against_c"]["left_out"].startswith(why)
 
 
+@pytest.mark.process
 @needs_compiler
 def test_the_clock_is_timed_beside_the_same_loop_in_c() -> None:
     figures = control.time_beside_c(0.2)
@@ -117,6 +118,7 @@ def test_the_standard_hour_ends_in_the_same_bits_in_every_way_and_in_c() -> None
     assert len(figures.sha256) == 3 + len(levels_here()) + len(SAME_BITS)
 
 
+@pytest.mark.process
 @pytest.mark.skipif(not shutil.which("node"), reason="node is not here")
 def test_an_hour_in_node_is_timed_without_its_start() -> None:
     figures = wasm.time_hour_in_node(load_vessel("bb2"), 1)
@@ -143,6 +145,7 @@ def test_a_ratio_is_the_median_of_pairs_and_a_tick_the_least(
     assert (ours * comparison.TICKS, other * comparison.TICKS, ratio) == (8000.0, 4000.0, 2.0)
 
 
+@pytest.mark.process
 @needs_compiler
 def test_the_tick_is_timed_against_each_way_of_compiling_the_same_in_c(
     monkeypatch: pytest.MonkeyPatch,
@@ -214,6 +217,7 @@ def test_the_fastest_of_several_flights_counts_but_never_the_first() -> None:
     assert fastest == [5.0, 10.0]
 
 
+@pytest.mark.process
 def test_rates_are_measured_of_fleets_alone_in_threads_and_by_level(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

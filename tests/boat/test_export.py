@@ -46,7 +46,11 @@ OPTIONS = RunOptions(sea="sea-state-4", seed=7)
 COMPILER = shutil.which("cc")
 needs_compiler = pytest.mark.skipif(not COMPILER, reason="no C compiler here")
 needs_linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="ELF symbols")
-pytestmark = [needs_compiler, pytest.mark.skipif(os.name == "nt", reason="no shared objects")]
+pytestmark = [
+    pytest.mark.process,
+    needs_compiler,
+    pytest.mark.skipif(os.name == "nt", reason="no shared objects"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +94,6 @@ def give_the_hosts_orders(tick: int, s: np.record) -> None:
 # The bits
 
 
-@pytest.mark.process
 def test_after_an_hour_the_c_host_the_library_and_the_trainer_are_the_same_to_the_bit(
     folder: Path, core: Core, tmp_path: Path
 ) -> None:
@@ -114,7 +117,6 @@ def test_after_an_hour_the_c_host_the_library_and_the_trainer_are_the_same_to_th
     assert float(table.stdout.splitlines()[-1].split(",")[4]) == boat.state.z
 
 
-@pytest.mark.process
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("cpu", "equations", "integrator", "vessel"),
@@ -193,7 +195,6 @@ def test_our_own_frexp_takes_numbers_apart_as_the_library_does() -> None:
 # The library and its header
 
 
-@pytest.mark.process
 @needs_linux
 @pytest.mark.skipif(not shutil.which("nm"), reason="no nm here")
 @pytest.mark.parametrize("name", [OBJECT, LIBRARY])
@@ -208,7 +209,6 @@ def test_nothing_outside_is_needed(folder: Path, name: str) -> None:
     assert not needed.stdout.strip()
 
 
-@pytest.mark.process
 @needs_linux
 @pytest.mark.skipif(not shutil.which("nm"), reason="no nm here")
 def test_only_the_five_names_of_the_header_are_seen(folder: Path) -> None:
@@ -224,7 +224,6 @@ def test_only_the_five_names_of_the_header_are_seen(folder: Path) -> None:
     )
 
 
-@pytest.mark.process
 @pytest.mark.parametrize(
     ("kind", "name"), [(STATE, "state"), (VESSEL, "vessel"), (COMPACT, "compact")]
 )
@@ -250,7 +249,6 @@ def test_every_number_of_a_record_has_one_name_in_c(kind: np.dtype) -> None:
     assert taken == list(range(0, kind.itemsize, 8))
 
 
-@pytest.mark.process
 def test_the_header_says_what_the_numbers_are(folder: Path) -> None:
     header = (folder / HEADER).read_text()
 
@@ -261,7 +259,6 @@ def test_the_header_says_what_the_numbers_are(folder: Path) -> None:
     assert "#define TRAINER_STEP_S 0.5" in header
 
 
-@pytest.mark.process
 def test_the_host_in_the_documents_compiles_and_steers(folder: Path, tmp_path: Path) -> None:
     page = ROOT / "docs" / "exported-core.md"
     (example,) = re.findall(r"```c\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
@@ -290,7 +287,6 @@ def test_a_processor_needs_all_that_the_ones_before_it_need() -> None:
     assert levels[0] < levels[1] < levels[2]
 
 
-@pytest.mark.process
 def test_the_card_says_what_the_library_is_of_and_where_its_columns_are(core: Core) -> None:
     columns = dict(each.split("=") for each in core.card["columns"].split())
 
@@ -301,7 +297,6 @@ def test_the_card_says_what_the_library_is_of_and_where_its_columns_are(core: Co
     assert columns["z"] == str(PLACES["z"])
 
 
-@pytest.mark.process
 def test_a_tick_that_fails_says_which_number_and_leaves_the_state(core: Core) -> None:
     core.state[PLACES["u"]] = 1e5
     before = bytes(core.state)
@@ -328,7 +323,6 @@ def test_without_a_compiler_the_object_is_written_and_the_way_to_link_it_told(
     assert json.loads(done.stdout)["files"] == [OBJECT, HEADER, HOST]
 
 
-@pytest.mark.process
 def test_without_the_jit_nothing_can_be_exported(tmp_path: Path) -> None:
     done = ran("export-core", "core", "--unsafe-step", where=tmp_path, NUMBA_DISABLE_JIT="1")
 

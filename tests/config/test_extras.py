@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from helpers.places import ROOT, environment
+from helpers.syntax import nodes_of
 
 from trainer.config.extras import EXTRAS, PACKAGE
 
@@ -125,7 +126,7 @@ def test_the_plain_install_checks_a_boat_and_flies_an_exercise(tmp_path: Path) -
 def imported(path: Path) -> set[str]:
     """Return the top names that a source imports, wherever in it."""
     found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes_of(path):
         if isinstance(node, ast.Import):
             found |= {alias.name.partition(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:

@@ -140,6 +140,7 @@ def test_a_boat_without_tanks_is_left_alone_to_the_bit(make_boat: Callable[..., 
     assert boat.records.state.tobytes() == before.tobytes()
 
 
+@pytest.mark.laws
 def test_trim_water_moved_and_moved_back_returns_the_same_trim(
     make_boat: Callable[..., Boat],
 ) -> None:
@@ -190,6 +191,7 @@ STEPS = st.fixed_dictionaries(
 )
 
 
+@pytest.mark.laws
 @settings(max_examples=60)
 @given(st.lists(STEPS, min_size=1, max_size=12))
 def test_water_and_air_are_conserved_and_kept_within_their_tanks(

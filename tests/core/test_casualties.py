@@ -74,6 +74,7 @@ def reason(answer: str | Refused) -> str:
 # How a casualty comes and goes
 
 
+@pytest.mark.laws
 @pytest.mark.core
 def test_severity_ramps_on_whole_ticks_and_arrives_exactly(boat: Boat) -> None:
     begun(boat, "flooding-aft", 2.0, 2.0)
@@ -303,6 +304,7 @@ def test_of_two_casualties_on_a_surface_the_jam_counts(boat: Boat) -> None:
     assert angle() > 15.0
 
 
+@pytest.mark.laws
 @pytest.mark.core
 @pytest.mark.parametrize("fault", ["hard-over", "free", "slow"])
 def test_rudder_casualties_to_port_mirror_those_to_starboard(

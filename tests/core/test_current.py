@@ -100,6 +100,7 @@ def test_waves_are_met_by_the_way_through_the_water(make_boat: Make, sea: str) -
     assert_carried(still, carried)
 
 
+@pytest.mark.laws
 def test_speed_through_the_water_loses_what_the_water_gains() -> None:
     # turned over ground, what shear does to u v w is -c' zdot, level, in any attitude
     state, rng = new_state(), np.random.default_rng(7)

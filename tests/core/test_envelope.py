@@ -61,6 +61,7 @@ def test_the_water_never_feeds_the_boat(make_boat: Callable[..., Boat], vessel: 
         assert float(force @ s.motion[:6]) / scale < 1e-9
 
 
+@pytest.mark.laws
 def test_an_ideal_fluid_does_no_work_in_any_direction(make_boat: Callable[..., Boat]) -> None:
     boat, rng = make_boat("bb2", "full", "exact"), np.random.default_rng(5)
     for _ in range(100):

@@ -85,6 +85,7 @@ def test_lagged_rates_cost_no_more_than_adams_itself_at_half_a_second(
     assert np.linalg.norm(lagged - true) < 2.0 * np.linalg.norm(exact - true)
 
 
+@pytest.mark.laws
 def test_adams_by_hand() -> None:
     scheme = new_scheme(0.5, 0, exact=True, trig=0)
     state = new_state()

@@ -32,6 +32,7 @@ def fractions(seed: int, stream: int, first: int, count: int) -> np.ndarray:
     return out
 
 
+@pytest.mark.laws
 @pytest.mark.parametrize(
     ("counter", "key", "answer"),
     [

@@ -137,6 +137,7 @@ def test_each_of_the_six_acts(equations: str, name: str) -> None:
     assert abs(having - without).max() > 1e-6
 
 
+@pytest.mark.laws
 @pytest.mark.parametrize("equations", ["full", "modified"])
 @pytest.mark.parametrize("way", ["exact", "lagged"])
 def test_the_image_of_a_boat_off_centre_moves_as_its_image(equations: str, way: str) -> None:

@@ -71,6 +71,7 @@ def asymmetric(boat: Boat) -> None:
     boat.records.compact["K_star"] = 0.0  # of BB2's own reduction
 
 
+@pytest.mark.laws
 @pytest.mark.parametrize("equations", ["full", "modified"])
 @pytest.mark.parametrize("way", ["exact", "lagged"])
 def test_port_mirrors_starboard_to_the_bit(
@@ -116,6 +117,7 @@ def test_straight_trimmed_flight_stays_straight_for_an_hour(
     assert s.x == pytest.approx(3600 * math.hypot(s.u, s.w), rel=1e-6)
 
 
+@pytest.mark.laws
 def test_longitudinal_motion_never_excites_lateral_motion(
     make_boat: Callable[..., Boat], by_hand: Callable[[Boat], None]
 ) -> None:
@@ -134,6 +136,7 @@ def test_longitudinal_motion_never_excites_lateral_motion(
     assert [s.v, s.p, s.r, s.phi, s.psi, s.y] == [0.0] * 6
 
 
+@pytest.mark.laws
 def test_a_neutral_boat_at_rest_stays_at_rest(make_boat: Callable[..., Boat]) -> None:
     boat = make_boat("sdv-mk9", "full", "exact")
     s = boat.state
@@ -147,6 +150,7 @@ def test_a_neutral_boat_at_rest_stays_at_rest(make_boat: Callable[..., Boat]) ->
     assert s.z == 30.0
 
 
+@pytest.mark.laws
 @pytest.mark.parametrize("speed", [8.0, 2.0, -2.0])
 def test_without_thrust_drag_opposes_the_motion_ahead_and_astern(
     make_boat: Callable[..., Boat], speed: float
@@ -159,6 +163,7 @@ def test_without_thrust_drag_opposes_the_motion_ahead_and_astern(
     assert boat.state.udot * speed < 0.0
 
 
+@pytest.mark.laws
 def test_fifty_tonnes_light_and_dead_in_the_water_rises_broadside(
     make_boat: Callable[..., Boat], by_hand: Callable[[Boat], None]
 ) -> None:
@@ -178,6 +183,7 @@ def test_fifty_tonnes_light_and_dead_in_the_water_rises_broadside(
     assert abs(math.degrees(s.theta)) < 3.0
 
 
+@pytest.mark.laws
 def test_steep_pitch_leaves_the_rates_finite(make_boat: Callable[..., Boat]) -> None:
     boat = make_boat("bb2", "full")
     s = boat.state

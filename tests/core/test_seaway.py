@@ -451,6 +451,7 @@ def test_a_calm_stays_calm_and_a_sea_may_rise_from_it() -> None:
 # Same inputs, same bits
 
 
+@pytest.mark.laws
 @pytest.mark.parametrize("generator", [*GENERATORS, 0.5])
 def test_a_snapshot_of_the_state_alone_goes_on_to_the_same_bits(generator: float) -> None:
     waves = Waves(sea_by(3.0, 0.6, generator, 2.0, 1.0))

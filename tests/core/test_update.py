@@ -39,6 +39,7 @@ def under_way(make_boat: Callable[..., Boat], *method: object) -> Boat:
 # A tick that fails
 
 
+@pytest.mark.laws
 @pytest.mark.core
 @pytest.mark.parametrize(
     ("place", "value", "named"),
@@ -195,6 +196,7 @@ def standing(boat: Boat) -> list[float]:
     return [float(angle) / DEGREE for angle in boat.state.surface]
 
 
+@pytest.mark.laws
 @pytest.mark.core
 def test_surfaces_move_at_7_1_degrees_a_second_and_stop_at_30(
     make_boat: Callable[..., Boat],

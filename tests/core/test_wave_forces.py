@@ -178,6 +178,7 @@ def test_forces_fade_with_depth_as_the_waves_do() -> None:
     assert deep == pytest.approx(shallow * np.exp(-K_WAVE * 50.0), rel=1e-12)
 
 
+@pytest.mark.laws
 def test_head_and_following_seas_mirror() -> None:
     vessel = as_a_box(a_vessel())
     following, head = force_of(one_wave(), vessel), force_of(one_wave(direction=np.pi), vessel)
@@ -188,6 +189,7 @@ def test_head_and_following_seas_mirror() -> None:
     assert following[M] != 0.0
 
 
+@pytest.mark.laws
 def test_seas_from_port_and_starboard_mirror() -> None:
     to_starboard, to_port = force_of(one_wave(direction=0.7)), force_of(one_wave(direction=-0.7))
 

@@ -10,6 +10,8 @@ import pytest
 from faults import faults, recordings
 from faults.rig import Bench, ForkServer, Tried
 
+pytestmark = pytest.mark.process
+
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and forks of POSIX")
 
 

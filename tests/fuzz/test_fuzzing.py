@@ -53,6 +53,7 @@ def told_by(program: str, found: Found, tally: Tally) -> list[int]:
     return seen
 
 
+@pytest.mark.process
 def test_inputs_of_an_earlier_run_are_added_up(tally: Tally) -> None:
     found = Found("orders", "a line", inputs=7000)
     seen = told_by("print('#100\\tpulse  cov: 5 ft: 5 corp: 3/9b')", found, tally)
@@ -69,6 +70,7 @@ def test_a_tally_that_is_no_number_is_told(tally: Tally, tmp_path: Path) -> None
         tally.read()
 
 
+@pytest.mark.process
 @posix
 def test_a_fuzzer_that_was_killed_says_by_which_signal(tally: Tally) -> None:
     found = Found("orders", "a line")
@@ -78,6 +80,7 @@ def test_a_fuzzer_that_was_killed_says_by_which_signal(tally: Tally) -> None:
     assert tally.read() == 8
 
 
+@pytest.mark.process
 def test_a_fuzzer_that_gives_up_says_with_which_exit_code(tally: Tally) -> None:
     found = Found("orders", "a line")
     told_by("import sys; print('INFO: begun'); sys.exit(72)", found, tally)
@@ -85,6 +88,7 @@ def test_a_fuzzer_that_gives_up_says_with_which_exit_code(tally: Tally) -> None:
     assert found.failure == "INFO: begun\nexit code 72"
 
 
+@pytest.mark.process
 def test_an_exception_told_beside_the_fuzzer_s_own_words_is_kept(tally: Tally) -> None:
     found = Found("orders", "a line")
     told_by(
@@ -100,6 +104,7 @@ def test_an_exception_told_beside_the_fuzzer_s_own_words_is_kept(tally: Tally) -
     assert found.saved == "/x/crash-1"
 
 
+@pytest.mark.process
 def test_a_fuzzer_that_tried_nothing_has_failed(tally: Tally) -> None:
     found = Found("orders", "a line")
     told_by("print('INFO: nothing to do')", found, tally)

@@ -161,6 +161,7 @@ def test_a_first_run_goes_over_to_machine_code_between_two_ticks_with_the_same_b
     assert "interpreted" not in quick.stdout
 
 
+@pytest.mark.process
 def test_a_first_run_whose_compilation_fails_goes_on_interpreted_and_says_so(
     tmp_path: Path,
 ) -> None:

@@ -126,6 +126,7 @@ def test_an_instructor_who_comes_too_late_leaves_without_a_word() -> None:
     assert not bill.answered
 
 
+@pytest.mark.process
 @posix
 @pytest.mark.long
 def test_a_soak_at_full_speed_keeps_every_promise() -> None:
@@ -135,6 +136,7 @@ def test_a_soak_at_full_speed_keeps_every_promise() -> None:
     assert found.visits > 0
 
 
+@pytest.mark.process
 @posix
 @pytest.mark.long
 def test_a_soak_in_real_time_keeps_every_promise_and_does_not_drift() -> None:

@@ -151,6 +151,7 @@ def test_who_sends_no_whole_request_is_cut_off(beginning: str, trickles: bool) -
         wait_until(lambda: not stub.machines)
 
 
+@pytest.mark.process
 @pytest.mark.usefixtures("hurried")
 def test_who_never_ends_a_handshake_of_tls_is_cut_off(tmp_path: Path) -> None:
     certificate = Certificate(*make_certificate(tmp_path))
@@ -293,6 +294,7 @@ def test_this_machine_takes_no_place_of_others() -> None:
             assert b" 200 OK" in got_from(end, stub.port)
 
 
+@pytest.mark.process
 @pytest.mark.usefixtures("many_machines")
 def test_a_page_that_is_turned_away_by_tls_is_told_why(tmp_path: Path) -> None:
     cert, key = make_certificate(tmp_path)

@@ -226,6 +226,7 @@ def keep(session: Served, body: str, context: ssl.SSLContext | None = None) -> A
     return request(session.port, "/word", "POST", body, context, Origin=origin)
 
 
+@pytest.mark.process
 def test_a_word_is_kept_where_no_script_and_no_other_site_has_it(guarded: Served) -> None:
     cookie = keep(guarded, f"helm {WORD}").headers["set-cookie"]
 
@@ -235,6 +236,7 @@ def test_a_word_is_kept_where_no_script_and_no_other_site_has_it(guarded: Served
     assert "Secure" not in cookie
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     "body",
     [
@@ -249,10 +251,12 @@ def test_what_can_be_no_word_is_not_kept(guarded: Served, body: str) -> None:
     assert "set-cookie" not in got.headers
 
 
+@pytest.mark.process
 def test_an_empty_word_is_forgotten(guarded: Served) -> None:
     assert "Max-Age=0" in keep(guarded, "helm ").headers["set-cookie"]
 
 
+@pytest.mark.process
 def test_a_role_is_given_for_its_own_word_alone(guarded: Served) -> None:
     for cookies, given in (
         ("", "no"),
@@ -264,6 +268,7 @@ def test_a_role_is_given_for_its_own_word_alone(guarded: Served) -> None:
             assert ask(line, "role helm")[0] == given, cookies
 
 
+@pytest.mark.process
 def test_a_longest_word_still_fits_a_line(guarded: Served) -> None:
     word = "w" * LONGEST_WORD
     assert keep(guarded, f"instructor {word}w").status == 400
@@ -273,6 +278,7 @@ def test_a_longest_word_still_fits_a_line(guarded: Served) -> None:
     assert "longest" not in answer[1]
 
 
+@pytest.mark.process
 def test_three_wrong_words_close_the_line(guarded: Served) -> None:
     with dialled(guarded.port, cookies="word-helm=wrong") as line:
         for _ in range(3):
@@ -358,6 +364,7 @@ def test_a_browser_works_pages_and_lines_over_tls(
         raise AssertionError(got.status)
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("begins", "ends", "why"),
     [
@@ -376,6 +383,7 @@ def test_a_certificate_out_of_its_time_is_refused_in_one_line(
         assert told == f"trainer: --cert {cert}: {why}: no browser takes it; make a new one\n"
 
 
+@pytest.mark.process
 def test_a_certificate_and_the_key_of_another_are_refused_in_one_line(tmp_path: Path) -> None:
     folders = tmp_path / "a", tmp_path / "b"
     for folder in folders:
@@ -460,6 +468,7 @@ FORGED = {
 }
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("forged", FORGED)
 def test_a_forged_or_replayed_sentence_gives_no_role_no_word_and_no_debrief(
     guarded: Served, forged: str
@@ -683,6 +692,7 @@ def test_a_session_out_of_descriptors_begins_its_pages_again_once_it_has_some(
     assert request(session.port, "/helm").status == 200
 
 
+@pytest.mark.process
 def test_pages_are_served_and_end_where_the_time_of_day_is_a_made_up_one(tmp_path: Path) -> None:
     faketime = shutil.which("faketime")
     if faketime is None:
@@ -864,6 +874,7 @@ def test_beyond_this_machine_a_camera_reads_the_address_and_no_token() -> None:
     assert "█" not in announce(Address("127.0.0.1", 8080))
 
 
+@pytest.mark.process
 def test_run_opens_its_pages_and_takes_another_port_where_the_usual_is_taken(
     tmp_path: Path,
 ) -> None:
@@ -886,6 +897,7 @@ def test_run_opens_its_pages_and_takes_another_port_where_the_usual_is_taken(
         assert run.returncode == 0
 
 
+@pytest.mark.process
 def test_without_a_browser_the_user_is_told_what_to_open(tmp_path: Path) -> None:
     words = ["web", "--connect", str(tmp_path / "none"), "--web", "127.0.0.1:0"]
     nowhere = {"PATH": str(tmp_path), "BROWSER": "", "DISPLAY": "", "WAYLAND_DISPLAY": ""}

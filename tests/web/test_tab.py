@@ -25,6 +25,8 @@ from trainer.session.stations.past import PRESENT
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 
+pytestmark = pytest.mark.process
+
 BOATS = ("bb2", "remus100", "sdv-mk9")
 SEA_ORDERS = ("sea state 4", "sea from 045", "sea calm")
 

@@ -396,6 +396,7 @@ def test_a_debrief_has_the_boat_inside(opened: Open, drill: Path, tmp_path: Path
 # What is wrong
 
 
+@pytest.mark.process
 def test_what_is_wrong_is_one_line_and_code_2(tmp_path: Path) -> None:
     wrong = tmp_path / "wrong.toml"
     wrong.write_text("[fluid]\nrho = -1\n")
@@ -495,6 +496,7 @@ def test_what_is_packed_can_be_read_by_anybody(boat_page: str) -> None:
     assert boat["recording"] is None
 
 
+@pytest.mark.process
 def test_the_page_of_the_documents_is_what_its_command_makes(tmp_path: Path) -> None:
     text = (ROOT / "docs" / "boat-by-mail.md").read_text(encoding="utf-8")
     (line,) = re.findall(r"^trainer run .* --recording .*$", text, re.MULTILINE)

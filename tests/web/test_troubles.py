@@ -14,7 +14,10 @@ from trainer.io.recording.recording import Recording
 
 resource = pytest.importorskip("resource")
 PRLIMIT = getattr(resource, "prlimit", None)
-pytestmark = pytest.mark.skipif(PRLIMIT is None, reason="limits of another process: Linux")
+pytestmark = [
+    pytest.mark.process,
+    pytest.mark.skipif(PRLIMIT is None, reason="limits of another process: Linux"),
+]
 WAIT_S = 60.0
 ORDERS = [f"rudder right {angle}" for angle in range(3, 13)]
 LARGEST_FILE = 200_000  # [bytes] where the disk is full
