@@ -19,7 +19,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
 
-EVERYDAY = "not slow"  # what is chosen where nothing is: all but what takes minutes
+NEEDING_THE_CORE_ALONE = ("core", "laws", "not process")  # what is chosen by -m
 WAITING = ("web", "session", "console")  # folders of tests that mostly wait, for ticks and pages
 pytest_plugins = ["helpers.browser", "helpers.crewed", "helpers.process_guard"]
 # One commit, one verdict: the same examples each time, however slow the machine.
@@ -40,7 +40,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if not getattr(session.config.option, "numprocesses", None):
         return
     core = started("trainer.session.warm_up")
-    if session.config.option.markexpr != EVERYDAY:
+    if any(choice in session.config.option.markexpr for choice in NEEDING_THE_CORE_ALONE):
         assert_done(core)
         return
     fits = started("trainer", "identify", "--example")

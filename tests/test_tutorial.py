@@ -70,7 +70,6 @@ def missing(shown: str, seen: str) -> list[str]:
     return [line for line in shown.splitlines() if line not in seen]
 
 
-@pytest.mark.process
 @pytest.mark.long
 def test_the_first_hour_goes_as_its_page_says(tmp_path: Path) -> None:
     walk = Walk(tmp_path)

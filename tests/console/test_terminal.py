@@ -159,7 +159,6 @@ def command(*words: str) -> str:
     return " ".join([*TRAINER, *words])
 
 
-@pytest.mark.process
 def test_the_first_exercise_by_the_keys_that_help_names(
     terminal: Terminal, ear: Callable[[Path], Ear], tmp_path: Path
 ) -> None:
@@ -216,7 +215,6 @@ def test_the_first_exercise_by_the_keys_that_help_names(
     assert gone(paths.socket_path())
 
 
-@pytest.mark.process
 def test_a_recording_is_gone_on_with_on_the_console_and_its_branches_are_gone_back_to(
     terminal: Terminal, tmp_path: Path
 ) -> None:
@@ -242,7 +240,6 @@ def test_a_recording_is_gone_on_with_on_the_console_and_its_branches_are_gone_ba
     assert gone(paths.socket_path())
 
 
-@pytest.mark.process
 def test_a_console_is_as_large_as_its_window_whatever_the_environment_says(
     terminal: Terminal,
 ) -> None:
@@ -254,7 +251,6 @@ def test_a_console_is_as_large_as_its_window_whatever_the_environment_says(
     assert "F10 quit" in last
 
 
-@pytest.mark.process
 def test_what_was_typed_wrong_is_told_once_on_the_terminal_and_no_screen_is_shown(
     terminal: Terminal,
 ) -> None:
@@ -266,7 +262,6 @@ def test_what_was_typed_wrong_is_told_once_on_the_terminal_and_no_screen_is_show
     assert "periscope-depth" in shown
 
 
-@pytest.mark.process
 def test_a_killed_console_leaves_the_session_to_who_is_left(
     terminal: Terminal, ear: Callable[[Path], Ear]
 ) -> None:
@@ -295,7 +290,6 @@ Visit(client, None, console).show()
 """
 
 
-@pytest.mark.process
 def test_a_screen_that_cannot_end_because_its_terminal_is_gone_is_left() -> None:
     done = subprocess.run([sys.executable, "-c", STUCK], timeout=PATIENCE, check=False)
     assert done.returncode == 1
@@ -330,7 +324,6 @@ def told(*command: str, keys: bytes = b"") -> tuple[bytes, int]:
     return written, process.returncode
 
 
-@pytest.mark.process
 def test_what_is_mistyped_is_told_where_it_was_typed_and_no_screen_is_opened() -> None:
     written, code = told(*TRAINER, "run", "periscop-depth")
 
@@ -339,7 +332,6 @@ def test_what_is_mistyped_is_told_where_it_was_typed_and_no_screen_is_opened() -
     assert code == 2
 
 
-@pytest.mark.process
 def test_what_a_session_fails_of_as_it_begins_is_told_once_the_screen_is_gone(
     tmp_path: Path,
 ) -> None:
@@ -369,7 +361,6 @@ except click.Abort:
 """
 
 
-@pytest.mark.process
 def test_a_screen_left_before_its_session_is_there_takes_it_along(tmp_path: Path) -> None:
     begun = time.monotonic()
     where = str(tmp_path / "s")
@@ -436,7 +427,6 @@ class Screen:
         os.close(self._far)
 
 
-@pytest.mark.process
 def test_a_blocked_terminal_and_any_size_leave_the_session_undisturbed(
     served: Path, ear: Callable[[Path], Ear]
 ) -> None:
@@ -457,7 +447,6 @@ def test_a_blocked_terminal_and_any_size_leave_the_session_undisturbed(
         assert screen.process.returncode == 0
 
 
-@pytest.mark.process
 def test_the_session_takes_every_key_of_the_crew_for_an_order_of_theirs(served: Path) -> None:
     for role in ("helm", "planes", "ballast", "diving"):
         post = LAYOUTS[role]
@@ -486,7 +475,6 @@ async def typed(app: Console, keys: list[str]) -> list[Entry]:
     return list(app.model.journal.entries)
 
 
-@pytest.mark.process
 def test_the_session_lists_what_can_break_as_it_is_ordered(served: Path) -> None:
     client = Client(lambda: str(served), "instructor", {})
     client.start()
@@ -503,7 +491,6 @@ def test_the_session_lists_what_can_break_as_it_is_ordered(served: Path) -> None
         assert each.says
 
 
-@pytest.mark.process
 def test_a_console_asked_to_end_gives_the_terminal_back(served: Path) -> None:
     with contextlib.closing(Screen(served, 80, 24)) as screen:
         screen.wait(b"RUNNING")

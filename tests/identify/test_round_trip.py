@@ -61,7 +61,6 @@ def found(trial: Any) -> Any:
     return reports
 
 
-@pytest.mark.process
 @pytest.mark.long
 @pytest.mark.parametrize("model", ["1", "nomoto2"])
 def test_the_roots_found_are_those_of_trainer_modes(found: Any, model: Any) -> None:
@@ -73,7 +72,6 @@ def test_the_roots_found_are_those_of_trainer_modes(found: Any, model: Any) -> N
         assert abs(value - 1.0 / rate) < 3.0 * deviation + BENT / rate
 
 
-@pytest.mark.process
 @pytest.mark.long
 def test_the_boat_written_steers_like_the_boat_flown(found: Any, trial: Any) -> None:
     speed = found["1"]["speed_kn"] * KNOT
@@ -121,7 +119,6 @@ def shown(angle: str) -> list[float]:
     return [float(number) for number in re.findall(r"\d+(?:\.\d+)?", row)]
 
 
-@pytest.mark.process
 @pytest.mark.long
 @pytest.mark.usefixtures("found")
 @pytest.mark.parametrize("angle", ["5", "10", "20"])
@@ -132,7 +129,6 @@ def test_the_boat_and_the_ship_written_zigzag_as_the_page_says(trial: Any, angle
     assert measured[3:] == pytest.approx(told[3:], rel=0.5, abs=0.3)
 
 
-@pytest.mark.process
 @pytest.mark.long
 @pytest.mark.usefixtures("found")
 def test_the_boat_written_zigzags_like_the_boat_flown(trial: Any) -> None:

@@ -132,7 +132,6 @@ def exercise(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.process
 def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
     serve: Callable[..., Served], exercise: Path
 ) -> None:
@@ -174,7 +173,6 @@ def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
     assert len(list(exercise.parent.rglob("recordings/*.trainer"))) == 2
 
 
-@pytest.mark.process
 @pytest.mark.parametrize(
     "words",
     [
@@ -193,7 +191,6 @@ def test_a_duration_of_the_command_line_ends_the_session_as_ever(
     assert served.process.returncode == 0
 
 
-@pytest.mark.process
 def test_an_exercise_whose_end_nobody_awaits_ends_its_session(
     serve: Callable[..., Served], exercise: Path
 ) -> None:
@@ -203,7 +200,6 @@ def test_an_exercise_whose_end_nobody_awaits_ends_its_session(
     assert "EXERCISE OVER: time is up at 20 s" in told
 
 
-@pytest.mark.process
 def test_a_frozen_session_waits_at_its_local_socket(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
@@ -228,7 +224,6 @@ def test_a_frozen_session_waits_at_its_local_socket(
         assert session.wait(PATIENCE) == 0
 
 
-@pytest.mark.process
 @pytest.mark.parametrize(
     "wrong",
     [
@@ -254,7 +249,6 @@ def test_a_run_that_is_refused_leaves_no_recording(tmp_path: Path, wrong: tuple[
     assert not list(tmp_path.rglob("*.trainer*"))
 
 
-@pytest.mark.process
 def test_what_is_resumed_at_its_exercise_s_end_is_over(
     serve: Callable[..., Served], exercise: Path, tmp_path: Path
 ) -> None:

@@ -97,7 +97,6 @@ def until(sight: SessionModel, true: Callable[[], object]) -> None:
         time.sleep(0.02)
 
 
-@pytest.mark.process
 def test_a_screen_works_when_every_text_of_the_session_is_reworded(port: Rewording) -> None:
     role = "instructor"
     client = Client(lambda: f"tcp://127.0.0.1:{port.port}", role, wishes(LAYOUTS[role]))
@@ -135,7 +134,6 @@ def test_a_screen_works_when_every_text_of_the_session_is_reworded(port: Rewordi
         client.close(1.0)
 
 
-@pytest.mark.process
 @pytest.mark.parametrize("words", ["detach\n", "quit\n", ""])
 def test_attach_leaves_properly_when_every_text_of_the_session_is_reworded(
     port: Rewording, words: str
@@ -148,7 +146,6 @@ def test_attach_leaves_properly_when_every_text_of_the_session_is_reworded(
     assert re.search(OTHER, done.stdout)
 
 
-@pytest.mark.process
 def test_attach_tells_a_session_that_was_killed_from_one_that_ended(tmp_path: Path) -> None:
     where = tmp_path / "s"
     words = ["serve", "--socket", str(where), "--listen", "none", "--no-record"]

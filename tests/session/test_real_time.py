@@ -246,7 +246,6 @@ def lost(account: str) -> int:
     return int(found[1]) if found else 0
 
 
-@pytest.mark.process
 def test_no_tick_is_missed_among_hung_and_babbling_stations(
     serve: Serve, pty: Callable[[], tuple[int, str]]
 ) -> None:
@@ -366,7 +365,6 @@ def fuzz_all(session: Served, lines: int) -> None:
         thread.join()
 
 
-@pytest.mark.process
 def test_who_may_not_or_cannot_order_is_refused_logged_and_changes_nothing(
     serve: Serve, tmp_path: Path
 ) -> None:
@@ -430,7 +428,6 @@ def guess(session: Served, lines: int) -> None:
                 pass
 
 
-@pytest.mark.process
 def test_wrong_tokens_leave_the_log_readable_and_nobody_waits_behind_them(serve: Serve) -> None:
     session = serve("--token", TOKEN)
     with contextlib.closing(session.client("instructor", TOKEN)) as by:
@@ -461,7 +458,6 @@ def test_wrong_tokens_leave_the_log_readable_and_nobody_waits_behind_them(serve:
     assert total > 180  # what is not written is counted, to the end of the session
 
 
-@pytest.mark.process
 def test_a_guesser_waits_for_his_answers_and_no_right_token_does(serve: Serve) -> None:
     session = serve("--token", TOKEN)
     with contextlib.closing(session.client()) as first:
@@ -484,7 +480,6 @@ def test_a_guesser_waits_for_his_answers_and_no_right_token_does(serve: Serve) -
         session.finish(by)
 
 
-@pytest.mark.process
 def test_a_serial_station_unplugged_and_plugged_in_again_goes_on(
     serve: Serve, pty: Callable[[], tuple[int, str]], tmp_path: Path
 ) -> None:

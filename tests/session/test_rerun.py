@@ -142,7 +142,6 @@ def comparable(found: Any) -> Any:
 # Files
 
 
-@pytest.mark.process
 def test_rerun_accepts_the_files(flown: Path, private: dict[str, str]) -> None:
     paths = [str(flown / name) for name in ("live.rrd", "exported.rrd")]
 
@@ -152,14 +151,12 @@ def test_rerun_accepts_the_files(flown: Path, private: dict[str, str]) -> None:
     assert "2 files verified without error" in done.stdout + done.stderr
 
 
-@pytest.mark.process
 def test_a_file_written_while_the_run_goes_on_is_that_of_its_recording(flown: Path) -> None:
     live, exported = contents(flown / "live.rrd"), contents(flown / "exported.rrd")
 
     assert comparable(live) == comparable(exported)
 
 
-@pytest.mark.process
 def test_every_tick_of_the_recording_is_in_the_file_to_its_resolution(flown: Path) -> None:
     state = recorded(flown / "run.trainer")
     found = contents(flown / "exported.rrd")
@@ -176,7 +173,6 @@ def test_every_tick_of_the_recording_is_in_the_file_to_its_resolution(flown: Pat
     assert pitch == pytest.approx(np.degrees(state["theta"]).tolist(), rel=1e-14)
 
 
-@pytest.mark.process
 def test_the_boat_is_turned_as_her_angles_say(flown: Path) -> None:
     state = recorded(flown / "run.trainer")
     phi, theta, psi = state["phi"], state["theta"], state["psi"]
@@ -193,7 +189,6 @@ def test_the_boat_is_turned_as_her_angles_say(flown: Path) -> None:
     assert down_to_starboard == pytest.approx(np.cos(theta) * np.sin(phi), abs=1e-6)
 
 
-@pytest.mark.process
 def test_orders_casualties_and_calls_are_in_the_log_and_in_lanes(flown: Path) -> None:
     found = contents(flown / "exported.rrd")
     texts = {
@@ -210,7 +205,6 @@ def test_orders_casualties_and_calls_are_in_the_log_and_in_lanes(flown: Path) ->
     assert min(when for when, word in jam.items() if word == ["acting"]) == 66.5  # by its seed
 
 
-@pytest.mark.process
 def test_the_sea_the_ordered_depth_and_the_limit_are_drawn(flown: Path) -> None:
     state = recorded(flown / "run.trainer")
     found = contents(flown / "exported.rrd")
@@ -242,7 +236,6 @@ speed_kn = 18
 """
 
 
-@pytest.mark.process
 def test_ships_the_ground_near_and_the_periscope_s_mast_are_drawn(tmp_path: Path) -> None:
     (tmp_path / "around.toml").write_text(AROUND)
     order = "30 contact add tug1 tug at 500 -500 course 180 speed 6\n"
@@ -283,7 +276,6 @@ def test_ships_the_ground_near_and_the_periscope_s_mast_are_drawn(tmp_path: Path
             assert point[2] == pytest.approx(150.0 + 0.1 * (east + point[1]), rel=1e-5)
 
 
-@pytest.mark.process
 def test_a_run_wound_back_is_one_file_whose_time_goes_on(tmp_path: Path) -> None:
     words = ("run", "--speed", "max", "--teletype", "--rrd", "run.rrd", "--record", "run.trainer")
     orders = "freeze\nstep 10\nsnapshot ten\nstep 10\nrestore ten\nstep 4\nquit\n"
@@ -297,7 +289,6 @@ def test_a_run_wound_back_is_one_file_whose_time_goes_on(tmp_path: Path) -> None
     assert list(ticks) == [0.5 * tick for tick in range(26)]
 
 
-@pytest.mark.process
 def test_a_file_that_cannot_be_written_is_told_before_the_run(tmp_path: Path) -> None:
     path = tmp_path / "missing" / "run.rrd"
 
@@ -307,7 +298,6 @@ def test_a_file_that_cannot_be_written_is_told_before_the_run(tmp_path: Path) ->
     assert f"--rrd {path}: No such file or directory" in done.stderr
 
 
-@pytest.mark.process
 def test_a_recording_is_not_exported_onto_nothing(flown: Path, tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="No such file or directory"):
         export_file(flown / "run.trainer", {"rrd": tmp_path / "missing" / "run.rrd"}, None)
@@ -363,7 +353,6 @@ def sail(where: str, *words: str) -> "subprocess.Popen[str]":
     )
 
 
-@pytest.mark.process
 def test_a_viewer_is_shown_every_tick(shown: Callable[..., Any], tmp_path: Path) -> None:
     process, where = shown("--save", "seen.rrd")
 
@@ -378,7 +367,6 @@ def test_a_viewer_is_shown_every_tick(shown: Callable[..., Any], tmp_path: Path)
     assert list(depth) == [0.5 * tick for tick in range(201)]
 
 
-@pytest.mark.process
 def test_a_viewer_that_is_not_there_is_one_line() -> None:
     windowless = {name: text for name, text in HERE.items() if "DISPLAY" not in name}
     port = free_port()
@@ -391,7 +379,6 @@ def test_a_viewer_that_is_not_there_is_one_line() -> None:
     assert f"start one: rerun --bind 127.0.0.1 --port {port}" in told
 
 
-@pytest.mark.process
 @pytest.mark.skipif(os.name != "posix", reason="a shell stands in for the window")
 def test_where_there_is_a_screen_a_viewer_is_opened_and_stays(
     private: dict[str, str], tmp_path: Path
@@ -414,7 +401,6 @@ def test_where_there_is_a_screen_a_viewer_is_opened_and_stays(
     assert list(depth) == [0.5 * tick for tick in range(121)]
 
 
-@pytest.mark.process
 @pytest.mark.parametrize(
     ("number", "told"), [("SIGKILL", "it has gone"), ("SIGSTOP", "its end is missing")]
 )

@@ -99,7 +99,6 @@ def say(process: "subprocess.Popen[str]", words: str) -> None:
 # The newcomer's run
 
 
-@pytest.mark.process
 def test_a_pipe_steers_the_boat_and_its_end_does_not_end_the_run(
     start: Start, tmp_path: Path
 ) -> None:
@@ -113,7 +112,6 @@ def test_a_pipe_steers_the_boat_and_its_end_does_not_end_the_run(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.process
 def test_orders_wait_for_no_line_end_and_quit_ends_the_run(start: Start) -> None:
     ran = Run(start("run", "--speed", "max"), "freeze\nstep 3\nrudder right 10\nquit")
     assert ran.code == 0
@@ -122,7 +120,6 @@ def test_orders_wait_for_no_line_end_and_quit_ends_the_run(start: Start) -> None
     assert "rudder right 10, by hand" in ran.out
 
 
-@pytest.mark.process
 def test_the_summary_counts_what_was_simulated(start: Start, tmp_path: Path) -> None:
     (tmp_path / "orders.txt").write_text("0 trim manual\n")
     plain = Run(start(*HEADLESS, "--duration", "2m", "--orders", "orders.txt"))
@@ -138,7 +135,6 @@ def test_the_summary_counts_what_was_simulated(start: Start, tmp_path: Path) -> 
     assert len(ran.out.splitlines()) <= 24
 
 
-@pytest.mark.process
 def test_orders_typed_as_garbage_are_answered_and_the_run_goes_on(start: Start) -> None:
     typed = "depht 80\n" + "x" * 5000 + "\n\x00\x01\udcff\udc80\n" + "depth 70\n"
     ran = Run(start("run", "--speed", "max", "--duration", "10"), typed)
@@ -154,7 +150,6 @@ def test_orders_typed_as_garbage_are_answered_and_the_run_goes_on(start: Start) 
 # The recording
 
 
-@pytest.mark.process
 def test_the_csv_has_a_row_for_the_start_and_each_tick_and_loses_no_digit(
     start: Start, tmp_path: Path
 ) -> None:
@@ -174,7 +169,6 @@ def test_the_csv_has_a_row_for_the_start_and_each_tick_and_loses_no_digit(
         assert [repr(float(cell)) for cell in cells[1:]] == cells[1:]
 
 
-@pytest.mark.process
 def test_a_scheduled_order_acts_on_its_tick(start: Start, tmp_path: Path) -> None:
     (tmp_path / "orders.txt").write_text("# to starboard\n0 trim manual\n600 rudder right 15\n")
     files = ("--orders", "orders.txt", "--csv", "out.csv")
@@ -185,7 +179,6 @@ def test_a_scheduled_order_acts_on_its_tick(start: Start, tmp_path: Path) -> Non
     assert rudder[1201] - rudder[0] == pytest.approx(-3.55 * 0.017453292519943295)
 
 
-@pytest.mark.process
 def test_psi_is_not_wrapped(start: Start, tmp_path: Path) -> None:
     (tmp_path / "orders.txt").write_text("0 rudder right 20\n")
     files = ("--orders", "orders.txt", "--csv", "out.csv")
@@ -193,7 +186,6 @@ def test_psi_is_not_wrapped(start: Start, tmp_path: Path) -> None:
     assert rows(tmp_path / "out.csv")[-1]["psi"] > 7.0
 
 
-@pytest.mark.process
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 @pytest.mark.parametrize("speed", ["max", "100"])
 def test_a_full_disk_is_told_and_the_run_still_finishes(start: Start, speed: str) -> None:
@@ -206,7 +198,6 @@ def test_a_full_disk_is_told_and_the_run_still_finishes(start: Start, speed: str
     assert ran.shown[-1].startswith("00:00:20")
 
 
-@pytest.mark.process
 @posix
 def test_a_disk_that_fills_up_keeps_the_rows_that_are_said_to_be_whole(
     start: Start, tmp_path: Path
@@ -242,7 +233,6 @@ def recorded(
     return (folder / "out.csv").read_bytes()
 
 
-@pytest.mark.process
 @pytest.mark.parametrize("equations", ["modified", pytest.param("full", marks=pytest.mark.slow)])
 def test_the_same_inputs_give_the_same_bits(start: Start, tmp_path: Path, equations: str) -> None:
     here = ("--equations", equations)
@@ -263,7 +253,6 @@ def test_the_same_inputs_give_the_same_bits(start: Start, tmp_path: Path, equati
     assert [name for name, found in again.items() if found != reference] == []
 
 
-@pytest.mark.process
 def test_frozen_and_resumed_in_real_time_gives_the_same_bits(start: Start, tmp_path: Path) -> None:
     """The run ends when it is told to: on a machine that stalls none would be left to freeze."""
     (tmp_path / "orders.txt").write_text(ORDERS)
@@ -289,7 +278,6 @@ def test_frozen_and_resumed_in_real_time_gives_the_same_bits(start: Start, tmp_p
     assert found == recorded(start, tmp_path, "--headless", "--speed", "max", duration=duration)
 
 
-@pytest.mark.process
 @posix
 def test_a_killed_run_leaves_whole_rows_and_run_again_gives_the_same_bits(
     start: Start, tmp_path: Path
@@ -311,7 +299,6 @@ def test_a_killed_run_leaves_whole_rows_and_run_again_gives_the_same_bits(
 # Signals and broken pipes
 
 
-@pytest.mark.process
 @posix
 @pytest.mark.parametrize(
     ("number", "words"),
@@ -353,7 +340,6 @@ def test_ctrl_c_as_soon_as_a_session_listens_ends_it_with_its_summary(
     assert "simulated   0.0 s" in capsys.readouterr().out
 
 
-@pytest.mark.process
 @posix
 @pytest.mark.parametrize("kept", [False, True])
 def test_a_reader_that_goes_away_costs_its_output_and_nothing_else(
@@ -379,7 +365,6 @@ def test_a_reader_that_goes_away_costs_its_output_and_nothing_else(
     assert len(rows(tmp_path / "out.csv")) == 601
 
 
-@pytest.mark.process
 @posix
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "<&- >&- 2>&-"])
 def test_closed_streams_do_not_disturb_the_run_or_get_into_its_recording(
@@ -395,7 +380,6 @@ def test_closed_streams_do_not_disturb_the_run_or_get_into_its_recording(
     assert [line.count(",") for line in lines] == [22] * 42
 
 
-@pytest.mark.process
 @posix
 def test_a_stopped_process_goes_on_without_a_burst_and_the_gap_is_told(start: Start) -> None:
     process = start("run", "--speed", "10", "--verbose")  # 20 lines a second
@@ -446,7 +430,6 @@ def dialogue(read: Callable[[], bytes], write: Callable[[bytes], object]) -> str
     return said.decode("ascii")
 
 
-@pytest.mark.process
 def test_a_socket_is_a_console(start: Start) -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
@@ -463,7 +446,6 @@ def test_a_socket_is_a_console(start: Start) -> None:
     assert "simulated" in ran.err
 
 
-@pytest.mark.process
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
 def test_a_serial_device_is_a_console(start: Start) -> None:
     ours, theirs = os.openpty()
@@ -600,7 +582,6 @@ def test_a_file_that_is_no_vessel_is_refused(
 # Steps that are not stable, and what becomes of a boat that is driven with one all the same
 
 
-@pytest.mark.process
 def test_an_unstable_step_is_refused_with_the_largest_stable_one(
     refused: Callable[..., str], start: Start
 ) -> None:
@@ -616,7 +597,6 @@ def test_an_unstable_step_is_refused_with_the_largest_stable_one(
     assert "is not stable" in refused(*HEADLESS, "--step", above, "--integrator", "euler")
 
 
-@pytest.mark.process
 @pytest.mark.parametrize(("equations", "integrator"), [("full", "euler"), ("modified", "adams3")])
 def test_a_boat_driven_to_divergence_freezes_and_says_where(
     start: Start, tmp_path: Path, equations: str, integrator: str
@@ -652,7 +632,6 @@ def test_a_boat_driven_to_divergence_freezes_and_says_where(
     assert max(map(len, ran.err.splitlines())) < 250
 
 
-@pytest.mark.process
 def test_a_run_that_a_schedule_freezes_for_good_ends_and_says_so(
     start: Start, tmp_path: Path
 ) -> None:
@@ -678,7 +657,6 @@ def test_the_bare_command_says_what_it_can_do(
     assert "Usage: trainer" in out
 
 
-@pytest.mark.process
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 def test_a_summary_that_cannot_be_written_is_told_without_a_traceback(start: Start) -> None:
     shell = ("sh", "-c", 'exec "$@" >/dev/full', "sh")
