@@ -6,7 +6,7 @@ The tests without the mark are the lane of every commit, which is quick and hold
 import multiprocessing.util
 import sys
 from collections.abc import Generator, Sequence
-from typing import Final
+from typing import Any, Final
 
 import pytest
 
@@ -59,7 +59,7 @@ def pytest_configure() -> None:
     sys.addaudithook(refuse_process)
     spawn = multiprocessing.util.spawnv_passfds
 
-    def spawn_heard(path: bytes, arguments: Sequence[str], descriptors: Sequence[int]) -> int:
+    def spawn_heard(path: bytes, arguments: Sequence[Any], descriptors: Sequence[int]) -> int:
         sys.audit("os.spawn", path, arguments)
         return spawn(path, arguments, descriptors)
 
