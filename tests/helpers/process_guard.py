@@ -59,8 +59,8 @@ def pytest_configure() -> None:
     sys.addaudithook(refuse_process)
     spawn = multiprocessing.util.spawnv_passfds
 
-    def spawn_heard(path: bytes, arguments: Sequence[Any], descriptors: Sequence[int]) -> int:
-        sys.audit("os.spawn", path, arguments)
-        return spawn(path, arguments, descriptors)
+    def spawn_heard(path: bytes, args: Sequence[Any], passfds: Sequence[int]) -> int:
+        sys.audit("os.spawn", path, args)
+        return spawn(path, args, passfds)
 
     multiprocessing.util.spawnv_passfds = spawn_heard
