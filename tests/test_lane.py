@@ -12,10 +12,15 @@ from helpers.process_guard import STARTING_FIXTURES, starts_processes
 STARTS: dict[str, Callable[[], object]] = {
     "a program": lambda: subprocess.run([sys.executable, "-c", ""], check=False),
     "a shell": lambda: os.system("true"),  # noqa: S605
-    "a fork": os.fork,
-    "a spawned worker": multiprocessing.get_context("spawn").Process(target=int).start,
-    "a server of forks": multiprocessing.get_context("forkserver").Process(target=int).start,
+    "a fork": lambda: os.fork(),  # noqa: PLW0108  it is not there on every system
+    "a spawned worker": lambda: start_worker("spawn"),
+    "a server of forks": lambda: start_worker("forkserver"),
 }
+
+
+def start_worker(way: str) -> None:
+    """Start a process of multiprocessing in that way."""
+    multiprocessing.get_context(way).Process(target=int).start()  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("start", STARTS.values(), ids=STARTS)
