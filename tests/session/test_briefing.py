@@ -38,7 +38,7 @@ from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
 KNOT = 1852.0 / 3600.0
-LOOK_EVERY = 60.0  # [s]
+LOOK_EVERY = 120.0  # [s]
 COME = Access()
 
 
