@@ -28,6 +28,8 @@ from trainer.analysis.manoeuvres.vehicle import (
     swing_measures,
 )
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot
+from trainer.analysis.recording_export import panel_of
+from trainer.analysis.series import Series
 from trainer.boat.assemble import Method
 from trainer.cli.guide import manoeuvre as command
 from trainer.cli.main import main
@@ -494,21 +496,24 @@ def test_swings_are_allowed_a_share_of_the_first_and_faint_ones_no_time() -> Non
     assert dying["pitch zero 1"].allowed is None
 
 
+def axes_of(panel: plots.Panel) -> Any:
+    """Return the axes that a panel is drawn on."""
+    axes = pytest.importorskip("matplotlib.figure").Figure().add_subplot()
+    plots._draw_panel(panel, axes)  # noqa: SLF001
+    return axes
+
+
 @pytest.mark.parametrize(
-    ("title", "down", "round_"),
-    [
-        ("z", True, False),
-        ("z, ordered_depth", True, False),
-        ("theta", False, False),
-        ("track", False, True),
-    ],
+    ("names", "down"),
+    [(("z",), True), (("ordered_depth",), True), (("u",), False), (("theta",), False)],
 )
-def test_depth_is_plotted_downwards_and_a_track_with_one_scale(
-    title: str, *, down: bool, round_: bool
-) -> None:
-    figure = pytest.importorskip("matplotlib.figure")
-    axes = figure.Figure().add_subplot()
-    curve = plots.Curve(title, np.array([0.0, 1.0]), np.array([60.0, 80.0]))
-    plots._draw_panel(plots.Panel(title, "x", "y", (curve,)), axes)  # noqa: SLF001
-    assert axes.yaxis_inverted() == down
-    assert (axes.get_aspect() == 1.0) == round_
+def test_depth_is_plotted_downwards(names: tuple[str, ...], *, down: bool) -> None:
+    columns = {name: np.array([60.0, 80.0]) for name in names}
+    series = Series(Path("run.csv"), {"t": np.array([0.0, 1.0]), **columns})
+    assert axes_of(panel_of(series, names)).yaxis_inverted() == down
+
+
+def test_a_track_is_plotted_with_one_scale() -> None:
+    curve = plots.Curve("way", np.array([0.0, 1.0]), np.array([60.0, 80.0]))
+    assert axes_of(plots.Panel(plots.TRACK, "x", "y", (curve,))).get_aspect() == 1.0
+    assert axes_of(plots.Panel("roll", "x", "y", (curve,))).get_aspect() != 1.0
