@@ -8,7 +8,7 @@ maximum-length shift registers, and is flown in a calm, without ports or clock, 
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -73,6 +73,16 @@ MOST_ORDERS: Final = 499  # that an exercise file takes
 EQUATIONS: Final = "full"
 INTEGRATOR: Final = "rk4"
 KEPT: Final = "rudder auto"
+EXERCISE: Final = '''\
+schema = "exercise/1"
+name = "{name}"
+vessel = "{vessel}"
+duration_s = {duration_s:g}
+equations = "{equations}"
+integrator = "{integrator}"
+briefing = """
+An experiment for identification: hands off, the helm is given by schedule and depth is
+kept by the planes. Record it, and give the recording to trainer identify."""'''
 
 
 def method_of(file: VesselFile) -> Method:
@@ -172,15 +182,6 @@ def remarks(sequence: Sequence, ship: Nomoto, interval: float) -> Iterator[str]:
         yield f"a bit of {sequence.hold_s:g} s is no whole number of {interval:g} s samples"
 
 
-@dataclass(frozen=True)
-class ZigZagTold:
-    """The course of a zig-zag of the boat in a calm."""
-
-    reach_s: float | None = None  # from the first helm to the second
-    period_s: float | None = None  # from the second helm to the fourth
-    overshoots_deg: tuple[float, ...] = ()
-
-
 def zigzag_flight(
     file: VesselFile, speed: float, angles: tuple[float, float], seconds: float
 ) -> Flight:
@@ -205,16 +206,20 @@ def zigzag_orders(flight: Flight, angle: float) -> tuple[tuple[float, str], ...]
     return (*found, (late + float(flight.t[-1]), KEPT))
 
 
-def zigzag_told(flight: Flight, execute: float) -> ZigZagTold:
-    """Return reach, period and overshoots [deg] of a zig-zag with that heading angle [deg]."""
+def zigzag_told(flight: Flight, execute: float) -> dict[str, Any]:
+    """Return reach, period and overshoots of a zig-zag with that heading angle [deg].
+
+    The reach is from the first helm to the second, the period from that one to the fourth; None
+    where there is no such helm.
+    """
     measures = ZigZag(execute_deg=execute).measures(flight)
     times = [mark.t for mark in flight.marks if mark.name == "execute"]
     overshoots = [one.value for one in measures if "overshoot" in one.name]
-    return ZigZagTold(
-        reach_s=times[1] - times[0] if len(times) > 1 else None,
-        period_s=times[3] - times[1] if len(times) > 3 else None,
-        overshoots_deg=tuple(math.degrees(one) for one in overshoots if one is not None),
-    )
+    return {
+        "reach_s": times[1] - times[0] if len(times) > 1 else None,
+        "period_s": times[3] - times[1] if len(times) > 3 else None,
+        "overshoots_deg": tuple(math.degrees(one) for one in overshoots if one is not None),
+    }
 
 
 def exercise_text(
@@ -224,17 +229,7 @@ def exercise_text(
 
     ``table`` has vessel, speed_kn, depth_m, duration_s and perhaps sea.
     """
-    lines = [
-        'schema = "exercise/1"',
-        f'name = "{name}"',
-        f'vessel = "{table["vessel"]}"',
-        f"duration_s = {table['duration_s']:g}",
-        f'equations = "{EQUATIONS}"',
-        f'integrator = "{INTEGRATOR}"',
-        'briefing = """',
-        "An experiment for identification: hands off, the helm is given by schedule and depth is",
-        'kept by the planes. Record it, and give the recording to trainer identify."""',
-    ]
+    lines = [EXERCISE.format(**table, name=name, equations=EQUATIONS, integrator=INTEGRATOR)]
     if "sea" in table:
         lines.append(f'sea = "{table["sea"]}"')
     lines += ["", "[initial]", f"speed_kn = {table['speed_kn']:g}"]
@@ -261,7 +256,10 @@ def fly_trial(
     rows = []
     for _ in range(round(seconds / step) + 1):
         while waiting and waiting[0].seconds <= boat.time + 1e-9:
-            _give(boat, waiting.pop(0))
+            entry = waiting.pop(0)
+            answer = obey(boat, entry.order)
+            if isinstance(answer, Refused):
+                raise ConfigError(f"{entry.seconds:g} s: {entry.order.text}: {answer.reason}")
         rows.append(boat.numbers(NAMES))
         status = boat.tick()
         if status:
@@ -278,10 +276,3 @@ def fly_trial(
         rows=np.arange(len(rows)),
         names={},
     )
-
-
-def _give(boat: Boat, entry: Scheduled) -> None:
-    """Give an order; ConfigError with the boat's own words if it is refused."""
-    answer = obey(boat, entry.order)
-    if isinstance(answer, Refused):
-        raise ConfigError(f"{entry.seconds:g} s: {entry.order.text}: {answer.reason}")

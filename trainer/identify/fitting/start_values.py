@@ -77,19 +77,15 @@ def start_values(
     for name, value in told.items():
         values[model.place(name)] = value
     if model.name == "1":
-        _check_ship(told)
+        lacking = [name for name in (*ACCELERATIONS, *DERIVATIVES) if name not in told]
+        if lacking:
+            raise ConfigError(
+                f"model 1 lacks a start for {', '.join(lacking)}: give a vessel, or "
+                "[[parameters]]; m11 to m22 cannot be estimated, the others start from a similar "
+                "ship"
+            )
     _disturb(plant, record, values, told)
     return values
-
-
-def _check_ship(told: Mapping[str, float]) -> None:
-    """Check that Model 1 has its ship; ConfigError naming what lacks."""
-    lacking = [name for name in (*ACCELERATIONS, *DERIVATIVES) if name not in told]
-    if lacking:
-        raise ConfigError(
-            f"model 1 lacks a start for {', '.join(lacking)}: give a vessel, or [[parameters]]; "
-            "m11 to m22 cannot be estimated, the others start from a similar ship"
-        )
 
 
 def _read(plant: Plant, record: Record) -> dict[str, float]:

@@ -24,14 +24,6 @@ LEVER: Final = 0.25  # [-] of the length: at which the sea's force makes its mom
 
 
 @dataclass(frozen=True)
-class Reading:
-    """The instruments of the ship, and the sea's own yaw rate [deg/s] rms."""
-
-    sensors: Sensors
-    unrest_deg_s: float
-
-
-@dataclass(frozen=True)
 class Prospect:
     """Expected values and standard deviations of a record, by name, in SI and prime.
 
@@ -46,23 +38,24 @@ class Prospect:
 
 
 def prospect(
-    steering: Steering, record: Record, outputs: tuple[str, ...], read: Reading
+    steering: Steering, record: Record, outputs: tuple[str, ...], sensors: Sensors, unrest: float
 ) -> Prospect:
     """Return what would be known from such a record of such a ship.
 
-    ConfigError if the record cannot separate the parameters.
+    The sea alone makes the yaw rate ``unrest`` [deg/s] rms. ConfigError if
+    the record cannot separate the parameters.
     """
     kind = "1" if "sway" in outputs else "nomoto2"
     model = MODELS[kind]
     plant = Plant(model, Ship(steering.length, steering.speed), outputs, record.interval)
-    values = model.vector(**_ship(steering, kind), **_sensors(read.sensors, kind))
+    values = model.vector(**_ship(steering, kind), **_sensors(sensors, kind))
     for name, channel in STATES[kind]:
         if channel:
             values[model.place(name)] = float(record.column(channel)[0]) * UNITS[channel][1]
     sea = _sea(steering, kind)
     for name, share in sea.items():
         values[model.place(name)] = share
-    density = _density(plant, values, math.radians(read.unrest_deg_s))
+    density = _density(plant, values, math.radians(unrest))
     for name in sea:
         values[model.place(name)] *= density
     free = [name for name in free_names(plant, ()) if name not in sea or density > 0.0]

@@ -68,7 +68,9 @@ def examine_residuals(
     cross = cross_correlation(centred, rudder - rudder.mean(), lags)
     input_own = correlation(rudder - rudder.mean(), lags)
     widening = math.sqrt(max(1.0 + 2.0 * float(own[1:] @ input_own[1:]), 0.1))
-    changes, pairs = _sign_changes(left)
+    positive, known = left > 0.0, ~np.isnan(left)
+    both = known[1:] & known[:-1]  # neighbours, which may differ in sign
+    pairs = int(np.sum(both))
     after, before = cross[lags:], cross[:lags]
     return Residuals(
         output=output,
@@ -78,7 +80,7 @@ def examine_residuals(
         correlation=tuple(map(float, own)),
         band=BAND / math.sqrt(count),
         whiteness=portmanteau(own, count, max(lags - fitted, 1)),
-        sign_changes=changes,
+        sign_changes=int(np.count_nonzero((positive[1:] != positive[:-1]) & both)),
         sign_changes_expected=pairs / 2.0,
         sign_changes_deviation=math.sqrt(pairs) / 2.0,
         normality=goodness_of_fit(left),
@@ -133,14 +135,6 @@ def _sum_test(cross: Numbers, input_own: Numbers, count: int) -> Tested:
     return Tested(statistic, len(cross), float(chdtrc(len(cross), statistic)))
 
 
-def _sign_changes(left: Numbers) -> tuple[int, int]:
-    """Return how often neighbours differ in sign, and how many pairs of neighbours there are."""
-    positive = left > 0.0
-    known = ~np.isnan(left)
-    both = known[1:] & known[:-1]
-    return int(np.count_nonzero((positive[1:] != positive[:-1]) & both)), int(np.sum(both))
-
-
 def goodness_of_fit(left: Numbers) -> Tested:
     """Return chi-square of the residuals in classes that a normal one fills equally."""
     from scipy.special import chdtrc, ndtr  # noqa: PLC0415
@@ -177,11 +171,6 @@ class OrderTest(NamedTuple):
     statistic: float
     freedom: tuple[int, ...]
     probability: float  # [-] small: the larger model is worth it
-
-    @property
-    def prefers_larger(self) -> bool:
-        """Return whether the larger model is better at the 5 % level."""
-        return self.probability < 0.05
 
 
 def f_test(small: tuple[float, int], large: tuple[float, int], samples: int) -> OrderTest:

@@ -94,36 +94,26 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
     if depth > DEEPEST:
         raise ConfigError(f"expression: {DEEPEST} signs within one another at most")
     if isinstance(node, ast.Constant):
-        return _constant(node)
+        if isinstance(node.value, bool) or not isinstance(node.value, int | float):
+            raise ConfigError(f"{quote(node.value)}: is no number; there may be {ALLOWED}")
+        try:
+            value = float(node.value)
+        except OverflowError:
+            value = math.inf
+        if not math.isfinite(value):
+            raise ConfigError("expression: a number is too large")
+        return lambda _: value
     if isinstance(node, ast.Name):
-        return _named(node.id, names)
+        name, known = node.id, (*names, *CONSTANTS)
+        if name not in known:
+            there = ", ".join(known)
+            raise ConfigError(
+                f"no parameter {quote(name)}{nearest(name, known)}; there are {there}"
+            )
+        return lambda values: values[name] if name in names else CONSTANTS[name]
     parts = tuple(_built(part, names, depth + 1) for part in _operands(node))
     function = _function(node)
     return lambda values: function(*(part(values) for part in parts))
-
-
-def _constant(node: ast.Constant) -> Expression:
-    """Return a number; ConfigError if it is another constant."""
-    if isinstance(node.value, bool) or not isinstance(node.value, int | float):
-        raise ConfigError(f"{quote(node.value)}: is no number; there may be {ALLOWED}")
-    try:
-        value = float(node.value)
-    except OverflowError:
-        value = math.inf
-    if not math.isfinite(value):
-        raise ConfigError("expression: a number is too large")
-    return lambda _: value
-
-
-def _named(name: str, names: tuple[str, ...]) -> Expression:
-    """Return the value of a parameter or constant; ConfigError if there is none such."""
-    if name in names:
-        return lambda values: values[name]
-    if name in CONSTANTS:
-        return lambda _: CONSTANTS[name]
-    known = (*names, *CONSTANTS)
-    there = ", ".join(known)
-    raise ConfigError(f"no parameter {quote(name)}{nearest(name, known)}; there are {there}")
 
 
 def _operands(node: ast.expr) -> Iterator[ast.expr]:

@@ -196,25 +196,24 @@ def _fit_lines(report: Report) -> list[str]:
         f"{INDENT}V1 {report.loss_1:.4f} one step ahead, {report.loss_1_alone:.4f} by rudder alone",
     ]
     if report.screened:
-        lines += wrap(_outliers(report), INDENT, 2 * INDENT)
+        several = bool(report.runs)
+        told = [
+            (f"run {one.run} " if several else "") + f"row {one.row} ({one.t_s:g} s)"
+            for one in report.screened[:SHOWN]
+        ]
+        more = len(report.screened) - len(told)
+        rest = f" and {more} more" if more else ""
+        verb = "was" if len(report.screened) == 1 else "were"
+        lines += wrap(
+            f"{len(report.screened)} {verb} rejected as outliers: {', '.join(told)}{rest}",
+            INDENT,
+            2 * INDENT,
+        )
     weakest = ", ".join(report.weakest)
     lines += wrap(
         f"Known least: {weakest} (scaled eigenvalue {report.eigenvalue:.2g})", INDENT, 2 * INDENT
     )
     return lines
-
-
-def _outliers(report: Report) -> str:
-    """Return which samples were rejected, the first of many."""
-    several = bool(report.runs)
-    told = [
-        (f"run {one.run} " if several else "") + f"row {one.row} ({one.t_s:g} s)"
-        for one in report.screened[:SHOWN]
-    ]
-    more = len(report.screened) - len(told)
-    rest = f" and {more} more" if more else ""
-    verb = "was" if len(report.screened) == 1 else "were"
-    return f"{len(report.screened)} {verb} rejected as outliers: {', '.join(told)}{rest}"
 
 
 def rival_table(report: Report) -> list[str]:

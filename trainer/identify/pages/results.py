@@ -40,7 +40,7 @@ from trainer.identify.pages.series import (
     terms_of,
 )
 from trainer.identify.record.measurements import Record
-from trainer.identify.record.study import Observed, Study, observe, studies_of
+from trainer.identify.record.study import Study, observe, studies_of
 from trainer.identify.record.study_records import Ship
 from trainer.units import KNOT
 
@@ -186,7 +186,8 @@ def carry_out(
     if options.joint and [kind for kind, _ in bends] not in (["kappa"], ["bech"]):
         raise ConfigError("--joint goes with --kappa or --bech and its record")
     seen = [observe(one) for one in studies_of(study)]
-    findings = _findings(seen)
+    told = [(one.record.source, str(finding)) for one in seen for finding in one.findings]
+    findings = [f"{path}: {text.removeprefix(f'{Path(path).name}: ')}" for path, text in told]
     try:
         fitted = _fit(study, [one.record for one in seen], options, heard)
     except ConfigError as error:  # what is odd about the record may be why
@@ -200,12 +201,6 @@ def carry_out(
         more["matrices"] = matrices_of(fitted)
     found = replace(found, report=replace(found.report, **more))
     return bent(found, *bends[0], joint=options.joint) if bends else found
-
-
-def _findings(seen: Sequence[Observed]) -> list[str]:
-    """Return what is odd about records, and about which."""
-    told = [(one.record.source, str(finding)) for one in seen for finding in one.findings]
-    return [f"{path}: {text.removeprefix(f'{Path(path).name}: ')}" for path, text in told]
 
 
 def _fit(

@@ -11,7 +11,7 @@ import numpy as np
 from trainer.config.nomoto import load_nomoto
 from trainer.config.vessel import VesselFile
 from trainer.identify.fitting.nonlinear import Bent
-from trainer.identify.model.nomoto import Levers, Nomoto
+from trainer.identify.model.nomoto import Nomoto
 from trainer.identify.model.steering import steering
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, cut, figure, table, wrap
@@ -77,7 +77,9 @@ def of_nomoto(path: Path) -> Report:
     return Report(ship.name, ship.length_m, HELMS, (_at_speed(ship.speed_kn, form, bent),))
 
 
-def _at_speed(knots: float, form: Nomoto, bent: Bent, arms: Levers | None = None) -> AtSpeed:
+def _at_speed(
+    knots: float, form: Nomoto, bent: Bent, arms: tuple[float, ...] | None = None
+) -> AtSpeed:
     """Return how a ship of these numbers steers."""
     numbers = [form.K, form.T1.real, form.T2.real, form.T3, form.K_v, form.T3v]
     return AtSpeed(
@@ -102,7 +104,11 @@ def render(report: Report) -> str:
     ]
     for one in report.speeds:
         lines += ["", f"{one.speed_kn:.4g} kn: {_stability(one)}", *_numbers(report, one)]
-        lines += ["", *_turns(report, one)]
+        rows = [
+            (f"{helm:g}", "  ".join(f"{rate:+.4f}" for rate in rates))
+            for helm, rates in zip(report.helms_deg, one.turns_deg_s, strict=True)
+        ]
+        lines += ["", *table(("rudder\n[deg]", "steady yaw rates\n[deg/s]"), rows)]
         if one.loop is not None:
             lines += _loop_lines(one.loop)
     return "\n".join(lines)
@@ -134,15 +140,6 @@ def _numbers(report: Report, one: AtSpeed) -> list[str]:
             unit = "s" if power == 1 else f"s^{power}"
             rows.append((f"H{power}", unit, f"{value:.5g}", f"{value * (V / L) ** power:.4g}"))
     return table(("", "unit", "value", "prime"), rows)
-
-
-def _turns(report: Report, one: AtSpeed) -> list[str]:
-    """Return the rates of steady turns by helm, the loop's inner branch among them."""
-    rows = [
-        (f"{helm:g}", "  ".join(f"{rate:+.4f}" for rate in rates))
-        for helm, rates in zip(report.helms_deg, one.turns_deg_s, strict=True)
-    ]
-    return table(("rudder\n[deg]", "steady yaw rates\n[deg/s]"), rows)
 
 
 def _loop_lines(loop: Loop) -> list[str]:

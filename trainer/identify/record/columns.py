@@ -179,8 +179,13 @@ def _unit(table: Table, channel: str, columns: Mapping[str, str], units: Mapping
     values = table.numbers(table.place(columns[channel]))
     if channel == "yaw_rate":
         return _rate_unit(table, values, columns, units)
-    if channel == "revolutions":
-        return _turning_unit(table, values, columns, units)
+    if channel == "revolutions":  # a ship's propeller turns more slowly than a model's
+        limit, _ = TURNS
+        if "speed" in units:
+            factor = units_of("speed")[units["speed"]]
+            speed = factor * np.abs(table.numbers(table.place(columns["speed"])))
+            limit = TURNS[float(np.nanmedian(speed)) < MODEL]
+        return "rpm" if float(np.nanmedian(np.abs(values))) > limit else "1/s"
     if channel in ALIKE and ALIKE[channel] in units:
         return units[ALIKE[channel]]
     limit, small, large = LIMITS.get(channel, (FAST, "m/s", "kn"))
@@ -202,15 +207,3 @@ def _rate_unit(
     if not (own > 0.0 and size > 0.0):
         return "deg/s"
     return min(known, key=lambda one: abs(math.log(own * known[one] / size)))
-
-
-def _turning_unit(
-    table: Table, values: Numbers, columns: Mapping[str, str], units: Mapping[str, str]
-) -> str:
-    """Return the unit of revolutions: a ship's propeller turns more slowly than a model's."""
-    limit, _ = TURNS
-    if "speed" in units:
-        factor = units_of("speed")[units["speed"]]
-        speed = factor * np.abs(table.numbers(table.place(columns["speed"])))
-        limit = TURNS[float(np.nanmedian(speed)) < MODEL]
-    return "rpm" if float(np.nanmedian(np.abs(values))) > limit else "1/s"

@@ -69,6 +69,10 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
     columns = found.columns
     record, sign = turned(load_record(data, columns))
     record, remarks = _examined(record)
+    turning = [name for name in ("yaw_rate", "heading") if getattr(record, name) is not None]
+    kind, others = "nomoto1", "nomoto2 has three time constants; 1 fits sway too, with a vessel"
+    if not turning:
+        kind, others = "2", "sway alone"
     text = TEXT.format(
         record=data.name,
         path=as_typed(path),
@@ -81,7 +85,9 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
         columns=SENSORS if own else columns_text(found),
         length=f"length_m = {length:g}" if length else "# length_m = 100  # fill in",
         speed=_speed(record, speed),
-        **_model(record),
+        kind=kind,
+        others=others,
+        outputs=json.dumps(turning or ["sway"]),
     )
     write_once(path, text)
     return Proposal(text, len(record.t), record.interval, columns, remarks)
@@ -139,12 +145,3 @@ def _speed(record: Record, speed: float | None) -> str:
     if record.speed is not None:
         return "# speed_kn = 12  # else the record's mean"
     return "# speed_kn = 12  # fill in"
-
-
-def _model(record: Record) -> dict[str, str]:
-    """Return the model to begin with, and which others there are."""
-    turning = [name for name in ("yaw_rate", "heading") if getattr(record, name) is not None]
-    kind, others = "nomoto1", "nomoto2 has three time constants; 1 fits sway too, with a vessel"
-    if not turning:
-        kind, others = "2", "sway alone"
-    return {"kind": kind, "others": others, "outputs": json.dumps(turning or ["sway"])}

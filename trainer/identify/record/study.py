@@ -121,7 +121,11 @@ def parse_study(text: str, path: Path) -> Study:
         raise ConfigError(*problems)
     study = Study(path=path, **parts)
     if not study.columns and not own_kind:
-        return replace(study, columns=_own(study, place))
+        if study.data.suffix != SUFFIX:
+            raise ConfigError(
+                place.problem("lacks [[columns]]: only a recording of the trainer needs none")
+            )
+        return replace(study, columns=own_columns())
     return study
 
 
@@ -223,15 +227,6 @@ def _model_problems(model: ModelTable, ship: Ship | None, place: Place) -> Itera
     for channel, key in (("bow_sway", "bow_log_m"), ("stern_sway", "stern_log_m")):
         if channel in model.outputs and getattr(ship, key) is None:
             yield place.inside("ship").problem(f"output {channel} needs {key}")
-
-
-def _own(study: Study, place: Place) -> dict[str, Column]:
-    """Return the columns of a recording of the trainer; ConfigError if the data are none."""
-    if study.data.suffix != SUFFIX:
-        raise ConfigError(
-            place.problem("lacks [[columns]]: only a recording of the trainer needs none")
-        )
-    return own_columns()
 
 
 @dataclass(frozen=True)

@@ -48,20 +48,6 @@ def render(report: Report) -> str:
     if report.findings:
         lines += ["", f"{INDENT}The record:"]
         lines += items(report.findings)
-    lines += ["", *_coefficient_table(report), "", *_noise_table(report), "", *_fit_lines(report)]
-    lines += ["", *_untold_lines(report), "", *_prediction_table(report)]
-    lines += ["", *_whiteness_lines(report)]
-    lines += items(report.patterns)
-    for test in report.tests:
-        lines += wrap(
-            f"Without {', '.join(test.without)}: 2 log L falls by {test.statistic:.2f}, "
-            f"{test.freedom} of freedom, p {test.probability:.3f}"
-        )
-    return "\n".join(lines)
-
-
-def _coefficient_table(report: Report) -> list[str]:
-    """Return the coefficients with intervals and the prior's shares."""
     rows = [
         (
             one.name,
@@ -74,7 +60,16 @@ def _coefficient_table(report: Report) -> list[str]:
         for one in report.coefficients
     ]
     heads = ("coefficient", "estimate", "std dev", "95 %\nfrom", "\nto", "prior's\nshare")
-    return table(heads, rows)
+    lines += ["", *table(heads, rows), "", *_noise_table(report), "", *_fit_lines(report)]
+    lines += ["", *_untold_lines(report), "", *_prediction_table(report)]
+    lines += ["", *_whiteness_lines(report)]
+    lines += items(report.patterns)
+    for test in report.tests:
+        lines += wrap(
+            f"Without {', '.join(test.without)}: 2 log L falls by {test.statistic:.2f}, "
+            f"{test.freedom} of freedom, p {test.probability:.3f}"
+        )
+    return "\n".join(lines)
 
 
 def _noise_table(report: Report) -> list[str]:

@@ -69,12 +69,17 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
     if record.rudder is not None:
         record, sign = turned(record)
     lacking = _lacking(found.columns)
+    lines = []
+    if "t" not in found.columns:
+        lines.append("interval_s = 1  # guessed: there is no time\n")
+    if all(channel in found.columns for channel in GROUND) and "speed" not in found.columns:
+        lines.append(f'current = "none"{GUESSED}\n')
     text = TEXT.format(
         record=data.name,
         command=fitting(data, path),
         name=quoted(data.stem[:79]),
         length=f"length_m = {length:g}  #" if length else "# length_m = 320.0  # fill in:",
-        records=sign + _records(found.columns),
+        records=sign + "".join(lines),
         columns=("" if own else columns_text(found))
         + "".join(MISSING.format(channel=channel, why=why) for channel, why in lacking.items()),
     )
@@ -107,16 +112,6 @@ def _lacking(columns: Collection[str]) -> dict[str, str]:
     if "heading" not in columns and "yaw_rate" not in columns:
         needed["heading"] = "or the yaw rate, as yaw_rate"
     return {channel: why for channel, why in needed.items() if channel not in columns}
-
-
-def _records(columns: Collection[str]) -> str:
-    """Return the lines that say how the record is meant."""
-    lines = []
-    if "t" not in columns:
-        lines.append("interval_s = 1  # guessed: there is no time\n")
-    if all(channel in columns for channel in GROUND) and "speed" not in columns:
-        lines.append(f'current = "none"{GUESSED}\n')
-    return "".join(lines)
 
 
 def _remarks(record: Record, found: GuessedColumns) -> list[str]:

@@ -84,12 +84,21 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
     _check_sign(record)
     if ship.sensors is not None:
         record, further = _read_by(record, further, ship.sensors)
-    table = _table(record, further)
+    none = np.full(len(record.t), math.nan)
+    readings = [record.speed, record.sway, record.yaw_rate, record.heading]
+    ahead, starboard = _wind(further, len(record.t))
+    inputs = [-record.column("rudder"), further["revolutions"], ahead, starboard]
+    rolls = [further.get(name, none) for name in OF_ROLL] if "roll" in further else []
+    table = np.column_stack([*(none if one is None else one for one in readings), *inputs, *rolls])
     if ship.roll is not None:
         told = _check_roll(record, further["roll"], ship, ship.roll.gm_m, every)
         findings += [Finding(Path(record.source).name, 0, text) for text in told]
     _check_propeller(record, further["revolutions"], ship)
-    _check_inputs(record, further)
+    for channel, values in further.items():
+        missing = np.isnan(values)
+        if channel not in (*GROUND, *OF_ROLL) and missing.any():
+            row = record.row(int(np.argmax(missing)))
+            raise ConfigError(f"{record.source}: row {row}: {channel}: an input must be known")
     t, table = _averaged(record.t, table, every)
     if len(t) < SHORTEST:
         raise ConfigError(
@@ -224,15 +233,6 @@ def _check_propeller(record: Record, n: Numbers, ship: ShipFile) -> None:
     )
 
 
-def _check_inputs(record: Record, further: Mapping[str, Numbers]) -> None:
-    """Check that no input is missing anywhere; ConfigError with its first row."""
-    for channel, values in further.items():
-        missing = np.isnan(values)
-        if channel not in (*GROUND, *OF_ROLL) and missing.any():
-            row = record.row(int(np.argmax(missing)))
-            raise ConfigError(f"{record.source}: row {row}: {channel}: an input must be known")
-
-
 def _check_roll(
     record: Record, roll: Numbers, ship: ShipFile, gm: float, every: int
 ) -> Iterator[str]:
@@ -286,16 +286,6 @@ def _read_by(
         if name in further
     }
     return replace(others, speed=record.speed + errors("sway", SPEED_STREAM)), further | rolls
-
-
-def _table(record: Record, further: Mapping[str, Numbers]) -> Numbers:
-    """Return readings and inputs (n, 8), the rudder positive to starboard; with roll (n, 10)."""
-    none = np.full(len(record.t), math.nan)
-    readings = [record.speed, record.sway, record.yaw_rate, record.heading]
-    ahead, starboard = _wind(further, len(record.t))
-    inputs = [-record.column("rudder"), further["revolutions"], ahead, starboard]
-    rolls = [further.get(name, none) for name in OF_ROLL] if "roll" in further else []
-    return np.column_stack([*(none if one is None else one for one in readings), *inputs, *rolls])
 
 
 def _wind(further: Mapping[str, Numbers], count: int) -> tuple[Numbers, Numbers]:

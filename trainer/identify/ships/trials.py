@@ -379,39 +379,33 @@ def render(report: Report) -> str:
             f"{plan.name}  {legs}: {plan.seconds:g} s each, {plan.executes} executes, "
             f"{plan.slowest_kn:.1f} to {plan.fastest_kn:.1f} kn, {plan.samples} samples"
         )
-    lines += ["", *_table(report.plans)]
-    for plan in report.plans:
-        lines += ["", f"{INDENT}What {plan.name} will not tell", *_untold(plan)]
-    lines += ["", *items(report.remarks)]
-    return "\n".join(lines).rstrip()
-
-
-def _table(plans: Sequence[Plan]) -> list[str]:
-    """Return the expected standard deviations of each plan, with the prior's shares."""
     rows = [
         (
             one.name,
             f"{one.value:.4g}",
-            *(_cell(plan.coefficients[i]) for plan in plans),
+            *(_cell(plan.coefficients[i]) for plan in report.plans),
         )
-        for i, one in enumerate(plans[0].coefficients)
+        for i, one in enumerate(report.plans[0].coefficients)
     ]
-    heads = [f"{plan.name}: std dev\nprior's share" for plan in plans]
-    return table(("coefficient", "value", *heads), rows)
+    heads = [f"{plan.name}: std dev\nprior's share" for plan in report.plans]
+    lines += ["", *table(("coefficient", "value", *heads), rows)]
+    for plan in report.plans:
+        worst = plan.untold[:WORST]
+        found = items(map(in_words, worst))
+        if plan.from_book:
+            found += wrap(f"- {', '.join(plan.from_book)}: from the book (its share above 90 %)")
+        lines += [
+            "",
+            f"{INDENT}What {plan.name} will not tell",
+            *(found or wrap("- nothing: each coefficient is told by itself")),
+        ]
+    lines += ["", *items(report.remarks)]
+    return "\n".join(lines).rstrip()
 
 
 def _cell(one: Coefficient) -> str:
     """Return a standard deviation with the prior's share."""
     return f"{one.deviation:.2g} {100.0 * min(one.prior_share, 1.0):3.0f}%"
-
-
-def _untold(plan: Plan) -> list[str]:
-    """Return what a plan will not tell, in words."""
-    worst = plan.untold[:WORST]
-    found = items(map(in_words, worst))
-    if plan.from_book:
-        found += wrap(f"- {', '.join(plan.from_book)}: from the book (its share above 90 %)")
-    return found or wrap("- nothing: each coefficient is told by itself")
 
 
 def panels(found: Design) -> tuple[Panel, ...]:

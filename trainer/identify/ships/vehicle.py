@@ -231,21 +231,18 @@ class Sailing:
         tables, path = self.study.varied(drawn), self.study.path
         inside = Place(path.name, "manoeuvre")
         table = read_record(ManoeuvreTable, tables["manoeuvre"], inside, ())
-        _check_words(self.study, table)
+        given = {"method": asdict(self.study.method), "manoeuvre": asdict(table)}
+        problems = [
+            Place(self.study.path.name, where).wrong(
+                key, given[where][key], "is for boats, not for ships"
+            )
+            for where, keys in OF_BOATS.items()
+            for key in keys
+            if given[where][key] is not None
+        ]
+        if problems:
+            raise ConfigError(*problems)
         named = Path(self.study.heading.vessel or "")
         ship = IdentifiedShip(read_ship(tables["vessel"], named), self.study.method.step_s)
         manoeuvre = manoeuvre_of(table, ship)
         return manoeuvre, fly(ship, manoeuvre, speed_of(table, ship.speed_kn))
-
-
-def _check_words(study: Study, table: ManoeuvreTable) -> None:
-    """Check that a study has no words for boats alone; ConfigError with all it has."""
-    given = {"method": asdict(study.method), "manoeuvre": asdict(table)}
-    problems = [
-        Place(study.path.name, where).wrong(key, given[where][key], "is for boats, not for ships")
-        for where, keys in OF_BOATS.items()
-        for key in keys
-        if given[where][key] is not None
-    ]
-    if problems:
-        raise ConfigError(*problems)
