@@ -117,7 +117,11 @@ class Sequence:
         last = 0.0
         for i, bit in enumerate(list(prbs(self.bits, self.seed)) * self.periods):
             if bit != last:
-                found.append((LEAD + i * self.hold_s, self._order(bit)))
+                side = "left" if bit > 0 else "right"  # 1 to port, as the rudder is positive
+                rudder = f"rudder {side} {self.amplitude_deg:g}"
+                course = f"course {(-bit * self.amplitude_deg) % 360.0:05.1f}"
+                order = rudder if self.by == "rudder" else course
+                found.append((LEAD + i * self.hold_s, order))
             last = bit
         end = LEAD + self.hold_s * self.periods * (2**self.bits - 1)
         found.append((end, KEPT if self.by == "rudder" else "course 000"))
@@ -127,12 +131,6 @@ class Sequence:
                 "give fewer --bits or --periods"
             )
         return tuple(found)
-
-    def _order(self, bit: float) -> str:
-        """Return the order of a bit, 1 to port as the rudder is positive."""
-        if self.by == "rudder":
-            return f"rudder {'left' if bit > 0 else 'right'} {self.amplitude_deg:g}"
-        return f"course {(-bit * self.amplitude_deg) % 360.0:05.1f}"
 
 
 def schedule_orders(orders: tuple[tuple[float, str], ...]) -> list[Scheduled]:
@@ -222,9 +220,7 @@ def zigzag_told(flight: Flight, execute: float) -> dict[str, Any]:
     }
 
 
-def exercise_text(
-    orders: tuple[tuple[float, str], ...], name: str, table: dict[str, str | float]
-) -> str:
+def exercise_text(orders: tuple[tuple[float, str], ...], name: str, table: dict[str, Any]) -> str:
     """Return the text of an exercise that gives ``orders``.
 
     ``table`` has vessel, speed_kn, depth_m, duration_s and perhaps sea.

@@ -99,16 +99,14 @@ def _check_separable(study: Study, problem: Problem) -> None:
     """
     if dropped_names(study, problem.plant):
         return
-    groups = inseparable(problem)
-    if groups:
-        raise ConfigError(*(f"{study.path.name}: {_inseparable(group)}" for group in groups))
-
-
-def _inseparable(group: tuple[str, ...]) -> str:
-    """Return what is wrong with a group of parameters that the record does not tell apart."""
-    if len(group) == 1:
-        return f'this record tells nothing of {group[0]}: fix it, free = "no"'
-    return f'this record cannot separate {" with ".join(group)}: fix one of them, free = "no"'
+    problems = [
+        f'cannot separate {" with ".join(group)}: fix one of them, free = "no"'
+        if len(group) > 1
+        else f'tells nothing of {group[0]}: fix it, free = "no"'
+        for group in inseparable(problem)
+    ]
+    if problems:
+        raise ConfigError(*(f"{study.path.name}: this record {text}" for text in problems))
 
 
 def fit(

@@ -79,7 +79,9 @@ def try_orders(y: Numbers, u: Numbers, most: int, *, initial: bool, lags: int) -
         fit = fit_armax(y, u, n, initial=initial, lower=models[-1] if models else None)
         before, model = (tried[-1] if tried else None), fit.model
         sizes = fit.loss, fit.parameters
-        better = before and f_test((before.loss, before.parameters), sizes, len(y))
+        better = None
+        if before is not None:
+            better = f_test((before.loss, before.parameters), sizes, len(y))
         known = zip(fit.names, fit.deviations, strict=True)
         models.append(model)
         tried.append(

@@ -8,7 +8,7 @@ derivative. A Python file is a program, and is run when it is loaded.
 import ast
 import math
 import operator
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -111,32 +111,24 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
                 f"no parameter {quote(name)}{nearest(name, known)}; there are {there}"
             )
         return lambda values: values[name] if name in names else CONSTANTS[name]
-    parts = tuple(_built(part, names, depth + 1) for part in _operands(node))
-    function = _function(node)
+    function, operands = _sign_of(node)
+    parts = tuple(_built(part, names, depth + 1) for part in operands)
     return lambda values: function(*(part(values) for part in parts))
 
 
-def _operands(node: ast.expr) -> Iterator[ast.expr]:
-    """Yield what a sign or function is of; ConfigError for anything else."""
+def _sign_of(node: ast.expr) -> tuple[Callable[..., Value], list[ast.expr]]:
+    """Return what a sign or a function does, and of what; ConfigError for anything else."""
     if isinstance(node, ast.BinOp) and type(node.op) in SIGNS:
-        yield from (node.left, node.right)
-    elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
-        yield node.operand
-    elif isinstance(node, ast.Call) and len(node.args) == 1 and not node.keywords:
-        yield node.args[0]
-    else:
+        return SIGNS[type(node.op)], [node.left, node.right]
+    if isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
+        return SIGNS[type(node.op)], [node.operand]
+    if not isinstance(node, ast.Call) or len(node.args) != 1 or node.keywords:
         raise ConfigError(f"{quote(ast.unparse(node))}: there may be only {ALLOWED}")
-
-
-def _function(node: ast.expr) -> Callable[..., Value]:
-    """Return what a sign or a function does; ConfigError if there is none such."""
-    if isinstance(node, ast.BinOp | ast.UnaryOp):
-        return SIGNS[type(node.op)]
-    name = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
+    name = node.func.id if isinstance(node.func, ast.Name) else ""
     if name not in FUNCTIONS:
         there = ", ".join(FUNCTIONS)
         raise ConfigError(f"no function {quote(name)}{nearest(name, FUNCTIONS)}; there are {there}")
-    return FUNCTIONS[name]
+    return FUNCTIONS[name], node.args
 
 
 @dataclass(frozen=True)

@@ -32,8 +32,9 @@ class Report:
 def report_of(sailed: Sailed, *, smooth: bool) -> Report:
     """Return the report of a track."""
     columns = (sailed.t, sailed.east, sailed.north, sailed.sway, sailed.ahead)
-    fixed, numbers = sum(map(bool, sailed.colours)), (tuple(one.tolist()) for one in columns)
-    return Report(sailed.source, len(sailed.t), fixed, smooth, *numbers, sailed.colours)
+    t, east, north, sway, ahead = (tuple(one.tolist()) for one in columns)
+    known = sailed.source, len(t), sum(map(bool, sailed.colours)), smooth
+    return Report(*known, t, east, north, sway, ahead, sailed.colours)
 
 
 def render(report: Report) -> str:

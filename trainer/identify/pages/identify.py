@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from trainer.core.kernel import Numbers
 from trainer.identify import sheet as sheets
-from trainer.identify.fitting.nonlinear import predict
+from trainer.identify.fitting.nonlinear import Bend, predict
 from trainer.identify.judge.allowed import Band, pulse_of, step_of
 from trainer.identify.judge.residuals import Residuals
 from trainer.identify.judge.validation import Check, alone
@@ -44,36 +44,27 @@ def render(report: Report) -> str:
         f"{INDENT}{_ship(report)}{samples} of {', '.join(report.outputs)}",
         f"{INDENT}" + ", ".join(f"{name} {value}" for name, value in report.settings.items()),
     ]
-    if report.findings:
-        lines += ["", f"{INDENT}The record:"]
-        lines += items(report.findings)
-    lines += ["", *_parameter_table(report), "", *_ship_table(report)]
     what = "ship" if report.length_m else "system"
-    lines += ["", f"{INDENT}The {what} is {report.stability}."]
-    if report.derivatives:
-        lines += ["", *_derivative_table(report)]
-    lines += ["", *_fit_lines(report)]
-    if report.runs:
-        lines += ["", *_run_table(report)]
-    if report.rivals:
-        lines += ["", *rival_table(report)]
-    if report.residuals:
-        lines += ["", *residual_table(report.residuals)]
-        lines += items(report.verdicts)
-    if report.check is not None:
-        lines += ["", *_check_lines(report.check, report.units)]
-    lines += _bend_lines(report)
-    if report.terms:
-        lines += ["", *_term_table(report)]
-    lines += [line for each in report.matrices for line in ("", *_matrix_lines(each))]
-    return "\n".join(lines)
+    blocks = [
+        [f"{INDENT}The record:", *items(report.findings)] if report.findings else [],
+        _parameter_table(report),
+        _ship_table(report),
+        [f"{INDENT}The {what} is {report.stability}."],
+        _derivative_table(report) if report.derivatives else [],
+        _fit_lines(report),
+        _run_table(report) if report.runs else [],
+        rival_table(report) if report.rivals else [],
+        [*residual_table(report.residuals), *items(report.verdicts)] if report.residuals else [],
+        _check_lines(report.check, report.units) if report.check else [],
+        _bend_lines(report.bend) if report.bend else [],
+        _term_table(report) if report.terms else [],
+        *map(_matrix_lines, report.matrices),
+    ]
+    return "\n".join([*lines, *(line for block in blocks if block for line in ("", *block))])
 
 
-def _bend_lines(report: Report) -> list[str]:
+def _bend_lines(bend: Bend) -> list[str]:
     """Return the kappa or H(r) of large manoeuvres, and the loop of an unstable ship."""
-    bend = report.bend
-    if bend is None:
-        return []
     told = dict(zip(("H1", "H2", "H3"), bend.ship.curve, strict=True)) | vars(bend.ship)
     rows = [
         (name, BEND_UNITS[name], f"{told[name]:.5g}", f"{deviation:.2g}")
@@ -81,9 +72,9 @@ def _bend_lines(report: Report) -> list[str]:
     ]
     of = "helm" if bend.rate_0 is None else "yaw rate"
     unit = "deg" if bend.rate_0 is None else "deg/s"
-    lines = ["", f"{INDENT}{cut(bend.source, 75)}", f"{INDENT}rms error of {of} ", ""]
-    lines[2] += f"{bend.rms / DEGREE:.4g} {unit}"
-    lines[3:] = table(("large\nmanoeuvres", "unit", "value", "std dev"), rows)
+    lines = [f"{INDENT}{cut(bend.source, 75)}"]
+    lines.append(f"{INDENT}rms error of {of} {bend.rms / DEGREE:.4g} {unit}")
+    lines += table(("large\nmanoeuvres", "unit", "value", "std dev"), rows)
     if bend.ship.loop is not None:
         rate, fold, helm = (value / DEGREE for value in bend.ship.loop)
         words = f"Loop: turns {rate:.3g} deg/s with no helm, to {fold:.3g} deg/s against {helm:.3g}"
@@ -105,8 +96,8 @@ def _term_table(report: Report) -> list[str]:
 
 def _matrix_lines(found: Matrices) -> list[str]:
     """Return the matrices row by row."""
-    lines = [f"{INDENT}{MATRICES}, {found.of}; states {', '.join(found.states)}, SI; outputs "]
-    lines[0] += ", ".join(found.outputs)
+    states, outputs = ", ".join(found.states), ", ".join(found.outputs)
+    lines = [f"{INDENT}{MATRICES}, {found.of}; states {states}, SI; outputs {outputs}"]
     for part in ("continuous", "sampled", "initial", "final"):
         lines.append(f"{INDENT}{part}:")
         for name, value in getattr(found, part).items():
@@ -230,40 +221,22 @@ def rival_table(report: Report) -> list[str]:
 
 def residual_table(residuals: tuple[Residuals, ...]) -> list[str]:
     """Return the tests of residuals, each with the probability of so large a statistic."""
-    rows = [
-        (
-            one.output,
-            f"{one.whiteness.probability:.3f}",
-            f"{one.missing_dynamics.probability:.3f}",
-            f"{one.feedback.probability:.3f}",
-            f"{one.normality.probability:.3f}",
-            _sign_changes(one),
-        )
-        for one in residuals
-    ]
-    tests = ("white\np", "by rudder\np", "feedback\np", "normal\np", "sign\nchanges")
-    heads = ("residuals\nof", *tests)
-    return table(heads, rows)
-
-
-def _sign_changes(one: Residuals) -> str:
-    usual = f"{one.sign_changes_expected:.0f} +- {one.sign_changes_deviation:.0f}"
-    return f"{one.sign_changes} of {usual}"
+    rows = []
+    for one in residuals:
+        tests = one.whiteness, one.missing_dynamics, one.feedback, one.normality
+        usual = f"{one.sign_changes_expected:.0f} +- {one.sign_changes_deviation:.0f}"
+        probabilities = (f"{test.probability:.3f}" for test in tests)
+        rows.append((one.output, *probabilities, f"{one.sign_changes} of {usual}"))
+    heads = ("white\np", "by rudder\np", "feedback\np", "normal\np", "sign\nchanges")
+    return table(("residuals\nof", *heads), rows)
 
 
 def _check_lines(check: Check, units: tuple[str, ...]) -> list[str]:
     """Return how well another record is predicted."""
+    columns = check.outputs, units, check.rms, check.share, check.own, check.explained
     rows = [
         (name, unit, f"{rms:.4g}", *(f"{100.0 * one:.1f}" for one in shares))
-        for name, unit, rms, *shares in zip(
-            check.outputs,
-            units,
-            check.rms,
-            check.share,
-            check.own,
-            check.explained,
-            strict=True,
-        )
+        for name, unit, rms, *shares in zip(*columns, strict=True)
     ]
     shares = ("% of the\nmotion", "% where\nfitted", "% variance\nexplained")
     heads = ("predicted by\nrudder alone", "\nunit", "\nrms error", *shares)
@@ -277,7 +250,17 @@ def screens(identified: Identified) -> tuple[Screen, ...]:
     found: dict[str, Iterable[Panel]] = {"Record": _record(identified)}
     for number in range(1, len(identified.report.runs)):
         found[f"Run {number + 1}"] = _record(identified, number)
-    found["Residuals"] = _left(identified)
+    t, standard = identified.fitted.problem.samples.t, identified.run.standardised.T
+    found["Residuals"] = [
+        Panel(
+            f"residuals of {output}",
+            "time [s]",
+            "[std dev]",
+            (Curve("residual", t, left),),
+            levels=(-BAND, 0.0, BAND),
+        )
+        for output, left in zip(identified.report.outputs, standard, strict=True)
+    ]
     found["Correlations"] = correlation_panels(identified.report.residuals)
     for title, shape in asked:
         name = title.split()[0].capitalize()
@@ -295,10 +278,8 @@ def _record(identified: Identified, number: int = 0) -> Iterator[Panel]:
     predicted = alone(problem, fitted.found.theta[at])
     for name, values in zip(report.inputs, samples.inputs.T, strict=True):
         curve = (Curve(name, np.repeat(t, 2)[1:], np.repeat(values, 2)[:-1]),)  # held
-        if report.length_m:
-            yield Panel("rudder, positive to port", "time [s]", "[deg]", curve)
-        else:
-            yield Panel(name, "time [s]", "[-]", curve)
+        words = ("rudder, positive to port", "[deg]") if report.length_m else (name, "[-]")
+        yield Panel(words[0], "time [s]", words[1], curve)
     for i, output in enumerate(report.outputs):
         band = BAND * float(np.nanstd(run.errors[:, i]))
         curves = (
@@ -309,15 +290,6 @@ def _record(identified: Identified, number: int = 0) -> Iterator[Panel]:
             Curve("one step ahead, -95 %", t, run.predictions[:, i] - band),
         )
         yield Panel(output, "time [s]", f"[{report.units[i]}]", curves)
-
-
-def _left(identified: Identified) -> Iterator[Panel]:
-    """Yield the residuals of each output."""
-    t, standard = identified.fitted.problem.samples.t, identified.run.standardised
-    for i, output in enumerate(identified.report.outputs):
-        left = (Curve("residual", t, standard[:, i]),)
-        title = f"residuals of {output}"
-        yield Panel(title, "time [s]", "[std dev]", left, levels=(-BAND, 0.0, BAND))
 
 
 def _edges(band: Band, output: int) -> tuple[Curve, ...]:

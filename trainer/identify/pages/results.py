@@ -1,7 +1,7 @@
 """The answer of ``trainer identify`` about a model, as records for every output."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -11,7 +11,6 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.minimise import Found
 from trainer.identify.fitting.nonlinear import Bend
 from trainer.identify.fitting.prediction_error import MultiStep, Shown, loss_1
 from trainer.identify.fitting.problem import Problem
@@ -41,7 +40,6 @@ from trainer.identify.pages.series import (
 )
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import Study, observe, studies_of
-from trainer.identify.record.study_records import Ship
 from trainer.units import KNOT
 
 
@@ -188,8 +186,18 @@ def carry_out(
     seen = [observe(one) for one in studies_of(study)]
     told = [(one.record.source, str(finding)) for one in seen for finding in one.findings]
     findings = [f"{path}: {text.removeprefix(f'{Path(path).name}: ')}" for path, text in told]
+    record, *others = (one.record for one in seen)
     try:
-        fitted = _fit(study, [one.record for one in seen], options, heard)
+        if options.simulate:
+            fitted = simulate(study, record, others)
+        else:
+            fitted = fit(
+                study,
+                record,
+                lambda step: heard(step.steps, step.cost),
+                options.checkpoint,
+                others,
+            )
     except ConfigError as error:  # what is odd about the record may be why
         raise ConfigError(*error.problems, *findings) from None
     odd = findings if len(seen) > 1 else [str(finding) for finding in seen[0].findings]
@@ -201,23 +209,6 @@ def carry_out(
         more["matrices"] = matrices_of(fitted)
     found = replace(found, report=replace(found.report, **more))
     return bent(found, *bends[0], joint=options.joint) if bends else found
-
-
-def _fit(
-    study: Study,
-    records: Sequence[Record],
-    options: IdentifyOptions,
-    heard: Callable[[int, float], None],
-) -> Fitted:
-    """Return the fit that was asked for, or the model as it starts."""
-    record, *others = records
-    if options.simulate:
-        return simulate(study, record, others)
-
-    def told(found: Found) -> None:
-        heard(found.steps, found.cost)
-
-    return fit(study, record, told, options.checkpoint, others)
 
 
 def describe(fitted: Fitted, findings: tuple[str, ...] = ()) -> Identified:
@@ -239,8 +230,9 @@ def bent(found: Identified, kind: str, path: Path, *, joint: bool) -> Identified
 def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: Shown) -> Report:
     """Return what a fit amounts to. ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
+    records = (fitted.record, *fitted.others)
     residuals, own = _residuals(fitted, run), plant.model.system
-    samples = problem.samples
+    samples, weakest = problem.samples, np.abs(fitted.known.directions[:, 0])
     return Report(
         study=study.heading.name,
         source=fitted.record.source,
@@ -262,14 +254,21 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: S
         loss_1=loss_1(run.errors[run.counted]),
         loss_1_alone=loss_1(samples.outputs - alone(problem, fitted.found.theta)),
         simulated=fitted.simulated,
-        screened=_outliers(fitted),
+        screened=tuple(
+            Outlier(number + 1, records[number].row(place), float(records[number].t[place]))
+            for number, place in fitted.rejected
+        ),
         parameters=_parameters(fitted),
         ship=_ship(fitted, others),
         monte_carlo=MonteCarlo(len(others.draws), others.paired),
         derivatives=_derivatives(fitted),
         stability=_stability(fitted),
         eigenvalue=float(fitted.known.eigenvalues[0]),
-        weakest=_weakest(fitted),
+        weakest=tuple(
+            name
+            for name, part in zip(fitted.known.names, weakest, strict=True)
+            if part > 0.3 * weakest.max()
+        ),
         eigenvalues=_directions(fitted),
         collapsed=problem.collapsed(fitted.found.theta),
         runs=_runs(fitted) if fitted.others else (),
@@ -278,15 +277,6 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: S
             *_doubts(fitted, others),
             *(text for one in residuals for text in verdicts(one)),
         ),
-    )
-
-
-def _outliers(fitted: Fitted) -> tuple[Outlier, ...]:
-    """Return the samples that were rejected."""
-    records = (fitted.record, *fitted.others)
-    return tuple(
-        Outlier(run + 1, records[run].row(place), float(records[run].t[place]))
-        for run, place in fitted.rejected
     )
 
 
@@ -336,9 +326,13 @@ def _ship(fitted: Fitted, others: Allowed) -> tuple[ShipNumber, ...]:
 
 def _derivatives(fitted: Fitted) -> tuple[Derivative, ...]:
     """Return the derivatives of Model 1 in both systems, theta'' = theta'/m' (3.6)."""
-    table, ship = fitted.study.model, fitted.study.ship
+    table, ship, mass = fitted.study.model, fitted.study.ship, None
     bis = table is not None and table.system == "bis"
-    mass = _mass(ship)
+    if ship is not None and ship.displacement_m3 is not None:  # m' = 2 volume/L^3 [-]
+        mass = 2.0 * ship.displacement_m3 / ship.length_m**3
+    elif ship is not None and ship.vessel is not None:
+        file = load_vessel(ship.vessel)
+        mass = 2.0 * file.hull.mass / (file.fluid.rho * ship.length_m**3)
     told = zip(fitted.quantity_names, fitted.told.values, fitted.told.deviations, strict=True)
     found = []
     for name, value, deviation in told:
@@ -349,16 +343,6 @@ def _derivatives(fitted: Fitted) -> tuple[Derivative, ...]:
         prime, both = (other, own) if bis else (own, other)
         found.append(Derivative(name, prime, both, _finite(deviation)))
     return tuple(found)
-
-
-def _mass(ship: Ship | None) -> float | None:
-    """Return m' = 2 volume/L^3 [-], by the study's displacement or the vessel file's mass."""
-    if ship is None or (ship.displacement_m3 is None and ship.vessel is None):
-        return None
-    if ship.displacement_m3 is not None:
-        return 2.0 * ship.displacement_m3 / ship.length_m**3
-    file = load_vessel(str(ship.vessel))
-    return 2.0 * file.hull.mass / (file.fluid.rho * ship.length_m**3)
 
 
 def _doubts(fitted: Fitted, others: Allowed) -> list[str]:
@@ -405,15 +389,6 @@ def _directions(fitted: Fitted) -> tuple[Direction, ...]:
         parts = {name: part for name, part in named if abs(part) >= least}
         found.append(Direction(float(value), parts))
     return tuple(found)
-
-
-def _weakest(fitted: Fitted) -> tuple[str, ...]:
-    """Return the parameters of the direction that the record tells least of."""
-    direction = np.abs(fitted.known.directions[:, 0])
-    names = fitted.known.names
-    return tuple(
-        name for name, part in zip(names, direction, strict=True) if part > 0.3 * direction.max()
-    )
 
 
 def _residuals(fitted: Fitted, run: Shown) -> tuple[Residuals, ...]:

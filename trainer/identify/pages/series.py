@@ -197,8 +197,8 @@ class Matrices:
 
 def matrices_of(fitted: Fitted) -> tuple[Matrices, ...]:
     """Return the matrices at the start values and at the estimate."""
-    vectors = ("start values", fitted.problem.start), ("estimate", fitted.found.theta)
-    return tuple(_matrices(fitted, name, theta) for name, theta in vectors)
+    starts = _matrices(fitted, "start values", fitted.problem.start)
+    return starts, _matrices(fitted, "estimate", fitted.found.theta)
 
 
 def _matrices(fitted: Fitted, name: str, theta: Numbers) -> Matrices:

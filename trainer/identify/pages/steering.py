@@ -103,23 +103,23 @@ def render(report: Report) -> str:
         f"{INDENT}{report.length_m:g} m; a positive rudder turns to port: K < 0 of a stable ship",
     ]
     for one in report.speeds:
-        lines += ["", f"{one.speed_kn:.4g} kn: {_stability(one)}", *_numbers(report, one)]
+        word = "stable" if one.stable else "NOT STABLE"
+        margin = f", l_r - l_v = {one.levers_m['l_r - l_v']:.4g} m" if one.levers_m else ""
+        lines += ["", f"{one.speed_kn:.4g} kn: straight course {word}{margin}"]
+        lines += _numbers(report, one)
         rows = [
             (f"{helm:g}", "  ".join(f"{rate:+.4f}" for rate in rates))
             for helm, rates in zip(report.helms_deg, one.turns_deg_s, strict=True)
         ]
         lines += ["", *table(("rudder\n[deg]", "steady yaw rates\n[deg/s]"), rows)]
         if one.loop is not None:
-            lines += _loop_lines(one.loop)
+            rate, fold_rate, fold = map(figure, one.loop)
+            lines += wrap(
+                f"- the spiral has a loop (2.12): amidships the ship turns at {rate} deg/s to "
+                f"either side; it goes over to the other beyond {fold} deg of opposite rudder, "
+                f"from {fold_rate} deg/s"
+            )
     return "\n".join(lines)
-
-
-def _stability(one: AtSpeed) -> str:
-    """Return in words whether the ship keeps a straight course, and by which margin."""
-    word = "stable" if one.stable else "NOT STABLE"
-    if one.levers_m is None:
-        return f"straight course {word}"
-    return f"straight course {word}, l_r - l_v = {one.levers_m['l_r - l_v']:.4g} m"
 
 
 def _numbers(report: Report, one: AtSpeed) -> list[str]:
@@ -142,26 +142,14 @@ def _numbers(report: Report, one: AtSpeed) -> list[str]:
     return table(("", "unit", "value", "prime"), rows)
 
 
-def _loop_lines(loop: Loop) -> list[str]:
-    """Return the loop in words."""
-    rate, fold_rate, fold = map(figure, loop)
-    return wrap(
-        f"- the spiral has a loop (2.12): amidships the ship turns at {rate} deg/s to either side; "
-        f"it goes over to the other beyond {fold} deg of opposite rudder, from {fold_rate} deg/s"
-    )
-
-
 def panels(report: Report) -> tuple[Panel, ...]:
     """Return yaw rate over rudder in steady turns, the loop with its inner branch."""
-    curves = tuple(_curve(one) for one in report.speeds)
-    rudder = "rudder, positive to port [deg]"
-    return (Panel("steady turns: the spiral", rudder, "yaw rate [deg/s]", curves, levels=(0.0,)),)
-
-
-def _curve(one: AtSpeed) -> Curve:
-    """Return the rudder (12.1) over all rates that up to the largest of HELMS makes."""
-    bent = Bent(math.nan, 0.0, 0.0, 0.0, delta_0=one.neutral_deg * DEGREE, H=one.helm)
-    most = max(abs(rate) for rates in one.turns_deg_s for rate in rates) * DEGREE
-    rates = np.linspace(-most, most, CURVE)
-    name = f"{one.speed_kn:.4g} kn"
-    return Curve(name, bent.helm(rates) / DEGREE, rates / DEGREE)
+    curves = []
+    for one in report.speeds:  # the rudder (12.1) over all rates that up to the largest helm makes
+        bent = Bent(math.nan, 0.0, 0.0, 0.0, delta_0=one.neutral_deg * DEGREE, H=one.helm)
+        most = max(abs(rate) for rates in one.turns_deg_s for rate in rates) * DEGREE
+        rates = np.linspace(-most, most, CURVE)
+        name = f"{one.speed_kn:.4g} kn"
+        curves.append(Curve(name, bent.helm(rates) / DEGREE, rates / DEGREE))
+    title, rudder = "steady turns: the spiral", "rudder, positive to port [deg]"
+    return (Panel(title, rudder, "yaw rate [deg/s]", tuple(curves), levels=(0.0,)),)

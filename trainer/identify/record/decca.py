@@ -170,7 +170,7 @@ def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -
         lanes = {c: resolve_lane(c, reading[c], lane_at(chain[c], last)) for c in known}
         pairs = [(chain[a], chain[b], (a, b)) for a, b in combinations(known, 2)]
         found.append(NO_FIX)
-        for one, two, colours in sorted(pairs, key=lambda pair: -sharpness(*pair[:2], last)):
+        for one, two, colours in sorted(pairs, key=lambda pair: -sharpness(pair[0], pair[1], last)):
             if places := fixes(one, two, (lanes[colours[0]], lanes[colours[1]])):
                 last = min(places, key=lambda at: math.dist(at, last))
                 found[-1] = Fix(last, colours)

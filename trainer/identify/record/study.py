@@ -106,7 +106,8 @@ def parse_study(text: str, path: Path) -> Study:
     place = Place(path.name, "")
     table = parse_toml(text, path.name)
     parts, problems = read_parts(table, place, (Heading, KNOWN), OPTIONAL)
-    own_kind = as_kind(table.get("model")) == "own"
+    model = table.get("model")
+    own_kind = isinstance(model, Mapping) and model.get("kind") == "own"
     with collecting(problems):
         rows = COLUMNS.read("columns", table.get("columns", []), place)
         parts["columns"] = _columns(rows, place, steered=not own_kind)
@@ -127,11 +128,6 @@ def parse_study(text: str, path: Path) -> Study:
             )
         return replace(study, columns=own_columns())
     return study
-
-
-def as_kind(model: object) -> object:
-    """Return the kind that a table of a model says, None if it says none."""
-    return model.get("kind") if isinstance(model, Mapping) else None
 
 
 def read_parts(
@@ -240,10 +236,17 @@ class Observed:
 def observe(study: Study, loaded: Record | None = None) -> Observed:
     """Return the record of a study: signs and units as here, thinned, cut, examined.
 
-    The record is ``loaded``, or that of the study's file. ConfigError with what forbids its use.
+    The record is ``loaded``, or that of the study's file. ConfigError with what forbids its use, of
+    a plain file saying what to type.
     """
     heading = study.heading
-    record = loaded or _load(study)
+    try:
+        record = loaded or load_record(study.data, study.columns)
+    except NoColumnError as error:
+        if study.path != study.data:
+            raise
+        advice = f"trainer identify new {study.data} -o study.toml writes a study of its columns"
+        raise ConfigError(*error.problems, advice) from None
     if "t" not in study.columns:
         record = replace(record, t=record.t * (heading.interval_s or 1.0))
     if heading.positive_rudder == "starboard" and record.rudder is not None:
@@ -264,17 +267,6 @@ def observe(study: Study, loaded: Record | None = None) -> Observed:
         np.inf if heading.to_s is None else heading.to_s,
     )
     return Observed(record, tuple(findings))
-
-
-def _load(study: Study) -> Record:
-    """Return the record of a study's file; ConfigError, of a plain one saying what to type."""
-    try:
-        return load_record(study.data, study.columns)
-    except NoColumnError as error:
-        if study.path != study.data:
-            raise
-        advice = f"trainer identify new {study.data} -o study.toml writes a study of its columns"
-        raise ConfigError(*error.problems, advice) from None
 
 
 def studies_of(study: Study) -> tuple[Study, ...]:

@@ -9,7 +9,6 @@ from trainer.config.files import ConfigError, write_once
 from trainer.config.tables import Table, read_table
 from trainer.identify.record.columns import SHIP_WORDS, GuessedColumns, guess_columns
 from trainer.identify.record.findings import examine
-from trainer.identify.record.measurements import Record
 from trainer.identify.record.proposal import Proposal, columns_text, quoted, turned
 from trainer.identify.record.sources import (
     FURTHER_CHANNELS,
@@ -84,8 +83,11 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
         + "".join(MISSING.format(channel=channel, why=why) for channel, why in lacking.items()),
     )
     write_once(path, text.rstrip() + "\n")
-    remarks = (*_remarks(record, found), *(f"no column for {channel} found" for channel in lacking))
-    return Proposal(text, len(record.t), record.interval, found.columns, remarks)
+    remarks = [str(one) for one in examine(record)]
+    if "wind_speed" in found.columns:
+        remarks.append(f"{found.columns['wind_speed'].name}: {WIND}")
+    remarks += [f"no column for {channel} found" for channel in lacking]
+    return Proposal(text, len(record.t), record.interval, found.columns, tuple(remarks))
 
 
 def _own(table: Table) -> GuessedColumns | None:
@@ -112,11 +114,3 @@ def _lacking(columns: Collection[str]) -> dict[str, str]:
     if "heading" not in columns and "yaw_rate" not in columns:
         needed["heading"] = "or the yaw rate, as yaw_rate"
     return {channel: why for channel, why in needed.items() if channel not in columns}
-
-
-def _remarks(record: Record, found: GuessedColumns) -> list[str]:
-    """Return what there is to say of a record and its columns."""
-    remarks = [str(one) for one in examine(record)]
-    if "wind_speed" in found.columns:
-        remarks.append(f"{found.columns['wind_speed'].name}: {WIND}")
-    return remarks

@@ -24,6 +24,7 @@ from trainer.identify.record.sources import (
     own_columns,
     read_by,
 )
+from trainer.identify.record.track import along
 from trainer.io.paths import SUFFIX
 
 OF_ROLL: Final = ("roll_rate", "roll")  # readings, in the order of the filter
@@ -86,7 +87,11 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
         record, further = _read_by(record, further, ship.sensors)
     none = np.full(len(record.t), math.nan)
     readings = [record.speed, record.sway, record.yaw_rate, record.heading]
-    ahead, starboard = _wind(further, len(record.t))
+    calm = np.zeros(len(record.t))  # a relative wind that was not recorded is none
+    ahead, starboard = further.get("wind_ahead", calm), further.get("wind_starboard", calm)
+    if "wind_speed" in further and "wind_from" in further:
+        size, angle = further["wind_speed"], further["wind_from"]
+        ahead, starboard = size * np.cos(angle), size * np.sin(angle)
     inputs = [-record.column("rudder"), further["revolutions"], ahead, starboard]
     rolls = [further.get(name, none) for name in OF_ROLL] if "roll" in further else []
     table = np.column_stack([*(none if one is None else one for one in readings), *inputs, *rolls])
@@ -165,12 +170,8 @@ def _from_ground(record: Record, further: dict[str, Numbers], ship: ShipFile) ->
             f'come from the speed through the water: say current = "none" in [records] of '
             f"{ship.path.name} if the water stood still, or give the log as speed and sway"
         )
-    psi, north, east = record.column("heading"), further[GROUND[0]], further[GROUND[1]]
-    return replace(
-        record,
-        speed=north * np.cos(psi) + east * np.sin(psi),
-        sway=east * np.cos(psi) - north * np.sin(psi),
-    )
+    speed, sway = along(further[GROUND[1]], further[GROUND[0]], record.column("heading"))
+    return replace(record, speed=speed, sway=sway)
 
 
 def _check_needed(source: str, ship: ShipFile, found: Mapping[str, Numbers]) -> None:
@@ -286,15 +287,6 @@ def _read_by(
         if name in further
     }
     return replace(others, speed=record.speed + errors("sway", SPEED_STREAM)), further | rolls
-
-
-def _wind(further: Mapping[str, Numbers], count: int) -> tuple[Numbers, Numbers]:
-    """Return the relative wind from ahead and from starboard [m/s], 0 where not recorded."""
-    if "wind_speed" in further and "wind_from" in further:
-        size, angle = further["wind_speed"], further["wind_from"]
-        return size * np.cos(angle), size * np.sin(angle)
-    calm = np.zeros(count)
-    return further.get("wind_ahead", calm), further.get("wind_starboard", calm)
 
 
 def _averaged(t: Numbers, table: Numbers, every: int) -> tuple[Numbers, Numbers]:

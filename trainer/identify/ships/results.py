@@ -8,13 +8,13 @@ from typing import Final
 
 import numpy as np
 
-from trainer.boat.ship.models import AXES, FIXED, NONLINEAR, Model, model_for
+from trainer.boat.ship.models import AXES, FIXED, NONLINEAR, model_for
 from trainer.config.files import ConfigError, nearest
 from trainer.config.ship import Result, ShipFile, load_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.judge.residuals import LAGS, correlation, portmanteau, ratio_test
 from trainer.identify.options import IdentifyOptions
-from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, terms_of, told_of_roll
+from trainer.identify.ships.fit import Fit, fit, pose, search, smooth, terms_of, told_of_roll
 from trainer.identify.ships.likelihood import Problem
 from trainer.identify.ships.priors import prior_of
 from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
@@ -29,6 +29,7 @@ SUSPECT: Final = 0.01
 OUTPUTS: Final = ("surge", "sway", "yaw rate", "heading", "roll rate", "roll")
 UNITS: Final = ("m/s", "m/s", "deg/s", "deg", "deg/s", "deg")
 SCALES: Final = np.array([1.0, 1.0, *[180.0 / math.pi] * 4])
+CAUSES: Final = ("v'", "r'", "rudder")
 SHARE_SEEN: Final = 0.2  # [-] of residual accelerations, from which a pattern is told
 DOUBTED: Final = 0.05  # [-] of a record's yaw acceleration that common coefficients leave: told,
 STRANGERS: Final = 0.3  # ... or refused: two ships. Other mirrors of one ship leave 0.015
@@ -235,12 +236,8 @@ def explained(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
         lost = np.isnan(predicted).any()
         square = np.where(known, np.nanmean(np.where(known, error, 0.0) ** 2, axis=0), math.nan)
         spread = np.where(known, np.nanvar(np.where(known, y, 0.0), axis=0), math.nan)
-    share = (
-        np.full(y.shape[1], math.nan)
-        if lost
-        else 100.0 * (1.0 - square / np.maximum(spread, 1e-300))
-    )
-    return share, np.sqrt(square) * SCALES[: y.shape[1]]
+    share = 100.0 * (1.0 - square / np.maximum(spread, 1e-300))
+    return np.full_like(share, math.nan) if lost else share, np.sqrt(square) * SCALES[: y.shape[1]]
 
 
 def predict(problem: Problem, a: Numbers, trial: Trial, kind: str) -> Prediction:
@@ -260,19 +257,13 @@ def _predictions(fitted: Fit, held: tuple[Trial, ...]) -> tuple[Prediction, ...]
     found = [predict(problem, fitted.found.a, trial, "fitted") for trial in trials]
     if len(trials) > 1:
         for i, trial in enumerate(trials):
-            rest, end = _without_record(fitted, i)
+            places = [place for place in range(len(trials)) if place != i]
+            rest = replace(problem, trials=tuple(trials[place] for place in places))
+            firsts = [fitted.found.a[problem.first_places(place)] for place in places]
+            begin = np.concatenate([fitted.found.a[: problem.common], *firsts])
+            end = search(rest, begin, lambda *_: None)  # from the fit with all
             found.append(predict(rest, end.a, trial, "held back in turn"))
     return (*found, *(predict(problem, fitted.found.a, trial, "held back") for trial in held))
-
-
-def _without_record(fitted: Fit, left_out: int) -> tuple[Problem, Found]:
-    """Return the fit without one record, searched from that with all."""
-    problem = fitted.problem
-    kept = [i for i in range(len(problem.trials)) if i != left_out]
-    rest = replace(problem, trials=tuple(problem.trials[i] for i in kept))
-    firsts = [fitted.found.a[problem.first_places(i)] for i in kept]
-    begin = np.concatenate([fitted.found.a[: problem.common], *firsts])
-    return rest, search(rest, begin, lambda *_: None)
 
 
 def coefficients_of(fitted: Fit) -> tuple[Coefficient, ...]:
@@ -343,28 +334,30 @@ def _whiteness(fitted: Fit) -> tuple[Whiteness, ...]:
     return tuple(found)
 
 
-def _patterns(fitted: Fit) -> tuple[str, ...]:
-    """Return in words where residual accelerations follow v', r' or the rudder."""
-    problem, texts = fitted.problem, []
-    rows = [residual_accelerations(problem, fitted.found.a, trial) for trial in problem.trials]
-    states = np.vstack([one for one, _ in rows])
-    left = np.vstack([one for _, one in rows])
+def causes_of(trial: Trial, states: Numbers, length: float) -> dict[str, Numbers]:
+    """Return v', r' and the rudder [rad] of a record with smoothed ``states``, by CAUSES."""
     size = np.hypot(states[:, 0], states[:, 1])
-    causes = {
-        "v'": states[:, 1] / size,
-        "r'": states[:, 2] * problem.constants[0] / size,
-        "rudder": np.concatenate([trial.inputs[:, 0] for trial in problem.trials]),
-    }
+    causes = states[:, 1] / size, states[:, 2] * length / size, trial.inputs[:, 0]
+    return dict(zip(CAUSES, causes, strict=True))
+
+
+def _patterns(fitted: Fit) -> Iterator[str]:
+    """Yield in words where residual accelerations follow v', r' or the rudder."""
+    problem, length = fitted.problem, float(fitted.problem.constants[0])
+    rows = [residual_accelerations(problem, fitted.found.a, trial) for trial in problem.trials]
+    left = np.vstack([one for _, one in rows])
+    causes = [
+        causes_of(trial, states, length)
+        for trial, (states, _) in zip(problem.trials, rows, strict=True)
+    ]
     for i, state in enumerate(problem.model.driven):
-        output = OUTPUTS[state]
-        for name, cause in causes.items():
-            share = _explained_by(cause, left[:, i])
+        for name in CAUSES:
+            share = _explained_by(np.concatenate([one[name] for one in causes]), left[:, i])
             if share > SHARE_SEEN:
-                texts.append(
-                    f"{output}: {share:.0%} of the acceleration left over follows {name} "
+                yield (
+                    f"{OUTPUTS[state]}: {share:.0%} of the acceleration left over follows {name} "
                     "(a cubic): a term may be missing"
                 )
-    return tuple(texts)
 
 
 def _explained_by(cause: Numbers, values: Numbers) -> float:
@@ -407,13 +400,6 @@ def _doubt(fitted: Fit) -> str:
     return f"a further step promises {promise:.2g}: intervals do not hold"
 
 
-def _held(model: Model) -> Iterator[str]:
-    """Yield which coefficients are held at what the ship's file gives."""
-    if model.held:
-        told = ", ".join(f"{name} {value:.4g}" for name, value in model.held.items())
-        yield f"held, by the ship's file: {told}"
-
-
 def _report(
     ship: ShipFile, fitted: Fit, prior: tuple[str, float], held: tuple[Trial, ...]
 ) -> Report:
@@ -423,6 +409,7 @@ def _report(
     p = len(problem.model.free)
     steps = np.concatenate([np.diff(trial.t) for trial in trials])
     length = float(problem.constants[0])
+    held_at = ", ".join(f"{name} {value:.4g}" for name, value in problem.model.held.items())
     return Report(
         ship=ship.name,
         model=problem.model.name,
@@ -432,7 +419,11 @@ def _report(
         length_m=length,
         prior=prior[0],
         prior_strength=prior[1],
-        findings=(*notes_of(trials), *_held(problem.model), *told_of_roll(fitted)),
+        findings=(
+            *notes_of(trials),
+            *([f"held, by the ship's file: {held_at}"] if held_at else []),
+            *told_of_roll(fitted),
+        ),
         settled=fitted.settled,
         doubt=_doubt(fitted),
         steps=fitted.found.steps,
@@ -450,7 +441,7 @@ def _report(
         untold=untold(fitted),
         whiteness=_whiteness(fitted),
         predictions=_predictions(fitted, held),
-        patterns=_patterns(fitted),
+        patterns=tuple(_patterns(fitted)),
         ranges=turned_ranges(trials, length),
         tests=(),
         covariance_names=problem.names,
@@ -463,10 +454,7 @@ def _report(
 def _result(ship: ShipFile, fitted: Fit, report: Report) -> ShipFile:
     """Return the ship's file with the result, which sails."""
     problem = fitted.problem
-    names = problem.model.names
-    whole = dict(
-        zip(names, map(float, problem.model.whole(problem.coefficients(fitted.a))), strict=True)
-    )
+    whole = map(float, problem.model.whole(problem.coefficients(fitted.a)))
     rows = np.vstack([trial.table for trial in problem.trials])
     p = len(problem.model.free)
     result = Result(
@@ -478,7 +466,7 @@ def _result(ship: ShipFile, fitted: Fit, report: Report) -> ShipFile:
         ship,
         sensors=None,
         result=result,
-        coefficients=whole,
+        coefficients=dict(zip(problem.model.names, whole, strict=True)),
         covariance=tuple(map(tuple, fitted.covariance[:p, :p].tolist())),
         uncertain=problem.model.free,
         ranges=report.ranges,

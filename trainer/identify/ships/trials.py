@@ -117,6 +117,11 @@ class TrialOptions:
     unrest: float = 0.02  # [deg/s] rms, of the sea alone
     prior_strength: float = 0.5
 
+    @property
+    def read(self) -> tuple[str, ...]:
+        """Return what is read beside the speed."""
+        return self.outputs or READINGS[1:]
+
 
 @dataclass(frozen=True)
 class Leg:
@@ -213,7 +218,7 @@ def design(ship: ShipFile, options: TrialOptions) -> Design:
         helms=helms,
         seconds=options.seconds,
         interval_s=every * usual.step,
-        outputs=("speed", *_outputs(options)),
+        outputs=("speed", *options.read),
         prior=prior_of(expected[0].problem.model, ship)[1],
         prior_strength=options.prior_strength,
         plans=plans,
@@ -246,11 +251,6 @@ def sensors_of(ship: ShipFile, asked: Sensors, given: Collection[str]) -> Sensor
     return replace(asked, **of_file)
 
 
-def _outputs(options: TrialOptions) -> tuple[str, ...]:
-    """Return what is read beside the speed."""
-    return options.outputs or READINGS[1:]
-
-
 def _check(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> None:
     """Check what is asked for; ConfigError with the limit."""
     most = ship.dimensions.rudder_limit_deg
@@ -262,7 +262,7 @@ def _check(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> None:
             )
     if len(legs) > MOST:
         raise ConfigError(f"--speed: {len(legs)} trials: a page has room for {MOST}")
-    read = _outputs(options)
+    read = options.read
     if "sway" not in read or not {"yaw_rate", "heading"} & set(read):
         raise ConfigError("--output: such a ship is told by sway with yaw_rate or heading")
 
@@ -301,7 +301,7 @@ def _expected(ship: ShipFile, flights: Sequence[Flight], every: int, options: Tr
     """Return what is expected of fitting the records of these flights together."""
     if ship.result is None:
         raise ConfigError(f"{ship.path.name}: lacks [result]")
-    trials = [flown_trial(ship, flight, every, _outputs(options)) for flight in flights]
+    trials = [flown_trial(ship, flight, every, options.read) for flight in flights]
     model = model_for(ship, ship.result.model, wind=False)
     prior, _ = prior_of(model, ship)
     problem = problem_of(model, np.array(ship.constants), trials, prior, options.prior_strength)
@@ -383,46 +383,36 @@ def render(report: Report) -> str:
         (
             one.name,
             f"{one.value:.4g}",
-            *(_cell(plan.coefficients[i]) for plan in report.plans),
+            *(
+                f"{x.deviation:.2g} {100.0 * min(x.prior_share, 1.0):3.0f}%"
+                for x in (plan.coefficients[i] for plan in report.plans)
+            ),
         )
         for i, one in enumerate(report.plans[0].coefficients)
     ]
     heads = [f"{plan.name}: std dev\nprior's share" for plan in report.plans]
     lines += ["", *table(("coefficient", "value", *heads), rows)]
     for plan in report.plans:
-        worst = plan.untold[:WORST]
-        found = items(map(in_words, worst))
+        lines += ["", f"{INDENT}What {plan.name} will not tell"]
+        lines += items(map(in_words, plan.untold[:WORST]))
         if plan.from_book:
-            found += wrap(f"- {', '.join(plan.from_book)}: from the book (its share above 90 %)")
-        lines += [
-            "",
-            f"{INDENT}What {plan.name} will not tell",
-            *(found or wrap("- nothing: each coefficient is told by itself")),
-        ]
+            lines += wrap(f"- {', '.join(plan.from_book)}: from the book (its share above 90 %)")
+        elif not plan.untold:
+            lines += wrap("- nothing: each coefficient is told by itself")
     lines += ["", *items(report.remarks)]
     return "\n".join(lines).rstrip()
-
-
-def _cell(one: Coefficient) -> str:
-    """Return a standard deviation with the prior's share."""
-    return f"{one.deviation:.2g} {100.0 * min(one.prior_share, 1.0):3.0f}%"
 
 
 def panels(found: Design) -> tuple[Panel, ...]:
     """Return rudder, heading and speed of each leg."""
     drawn = []
-    alone = [
-        (plan, flights[0]) for plan, flights in zip(found.report.plans, found.flights, strict=True)
-    ]
-    shown = [(plan, flight) for plan, flight in alone if len(plan.legs) == 1]
+    both = zip(found.report.plans, found.flights, strict=True)
+    shown = [(str(plan.legs[0]), flights[0]) for plan, flights in both if len(plan.legs) == 1]
     for title, unit, name, factor in (
         ("rudder, positive to port", "[deg]", "delta_r", 180.0 / math.pi),
         ("heading", "[deg]", "psi", 180.0 / math.pi),
         ("speed", "[kn]", "u", 1.0 / KNOT),
     ):
-        curves = tuple(
-            Curve(str(plan.legs[0]), flight.t, factor * flight.column(name))
-            for plan, flight in shown
-        )
-        drawn.append(Panel(title, "time [s]", unit, curves))
+        curves = (Curve(leg, flight.t, factor * flight.column(name)) for leg, flight in shown)
+        drawn.append(Panel(title, "time [s]", unit, tuple(curves)))
     return tuple(drawn)
