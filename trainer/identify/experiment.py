@@ -19,6 +19,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.config.files import ConfigError
+from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.model.nomoto import Nomoto
@@ -83,6 +84,21 @@ integrator = "{integrator}"
 briefing = """
 An experiment for identification: hands off, the helm is given by schedule and depth is
 kept by the planes. Record it, and give the recording to trainer identify."""'''
+
+
+@dataclass(frozen=True, kw_only=True)
+class HelmOptions:
+    """A user's wishes for a helm and its record; None is what suits the boat or ship."""
+
+    zigzag: tuple[float, float] | None = None  # [deg] rudder and heading, in place of a sequence
+    hold: float | None = None  # [s] of a bit
+    bits: int | None = None  # of the register
+    seed: int = 1
+    seconds: float = 600.0  # of a zig-zag, or of all trials of a ship
+    interval: float | None = None  # [s] between samples
+    outputs: tuple[str, ...] = ()
+    sensors: Sensors
+    unrest: float = 0.02  # [deg/s] rms, of the sea alone
 
 
 def method_of(file: VesselFile) -> Method:

@@ -148,7 +148,7 @@ def fit(
 
 def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "FittedShip":
     """Return a linear or Nomoto ship fitted to a record."""
-    asked = {**given, "model": model}
+    asked: dict[str, Any] = {**given, "model": model}
     for name, words in CHOICES.items():
         if asked[name] not in (None, *words):
             raise ConfigError(f"{name} = {asked[name]!r}: must be {' or '.join(words)}")
@@ -158,11 +158,7 @@ def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "Fitted
         length=given["length"],
         knots=given["speed"],
         channels=tuple(given["outputs"]),
-        noise=given["noise"],
-        method=given["method"],
-        every=given["every"],
-        begin=given["begin"],
-        end=given["end"],
+        **{name: asked[name] for name in ("noise", "method", "every", "begin", "end")},
     )
     if isinstance(frame, str | Path):
         study, loaded = study_of(Path(frame), options), None

@@ -244,7 +244,9 @@ def _starts(search: _Search) -> list[Numbers]:
     plain = zero - np.linalg.lstsq(J, eps, rcond=None)[0]
     n = search.order
     plain[search.sought // n == 2] = 0.0
-    errors = _long_errors(search.y, search.u, LONG_ORDER + n)
+    lags = range(1, min(LONG_ORDER + n, len(search.y) // 4) + 1)
+    long = np.column_stack([_later(series, i) for series in (search.y, search.u) for i in lags])
+    errors = search.y - long @ np.linalg.lstsq(long, search.y, rcond=None)[0]
     columns = []
     for i in search.sought:
         kind, lag = divmod(int(i), n)
@@ -255,15 +257,6 @@ def _starts(search: _Search) -> list[Numbers]:
     second = np.linalg.lstsq(np.column_stack(columns), -search.y, rcond=None)[0]
     starts = [plain, second]
     return [theta for theta in starts if np.isfinite(search.loss(theta))] or [zero]
-
-
-def _long_errors(y: Numbers, u: Numbers, order: int) -> Numbers:
-    """Return the residuals (N,) of a long autoregression with input."""
-    order = min(order, len(y) // 4)
-    columns = [_later(series, i) for series in (y, u) for i in range(1, order + 1)]
-    regressors = np.column_stack(columns)
-    found = np.linalg.lstsq(regressors, y, rcond=None)[0]
-    return np.asarray(y - regressors @ found)
 
 
 class _End(NamedTuple):

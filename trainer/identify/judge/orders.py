@@ -92,8 +92,8 @@ def try_orders(y: Numbers, u: Numbers, most: int, *, initial: bool, lags: int) -
                 deviation=fit.deviation,
                 aic=aic_of_loss(fit.loss, len(y), fit.parameters),
                 bic=bic_of_loss(fit.loss, len(y), fit.parameters),
-                f=better and better.statistic,
-                f_probability=better and better.probability,
+                f=better.statistic if better else None,
+                f_probability=better.probability if better else None,
                 converged=fit.converged,
                 coefficients=tuple(
                     Coefficient(name, model.value(name), s if math.isfinite(s) else None)

@@ -7,7 +7,7 @@ counts coefficients and estimated initial states, the noise variance not.
 
 import math
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -24,7 +24,10 @@ SUSPECT: Final = 0.01  # [-] probability below which a test has found something
 
 @dataclass(frozen=True)
 class Tested:
-    """A statistic, its degrees of freedom, and the probability of one so large by chance."""
+    """A statistic, its degrees of freedom, and the probability of one so large by chance.
+
+    Of a model against a larger one: the larger is worth it where the probability is small.
+    """
 
     statistic: float
     freedom: int
@@ -165,22 +168,14 @@ def verdicts(found: Residuals) -> list[str]:
     return [f"{found.output}: {text}" for text in texts]
 
 
-class OrderTest(NamedTuple):
-    """A model against a larger one: the statistic, and its probability by chance."""
-
-    statistic: float
-    freedom: tuple[int, ...]
-    probability: float  # [-] small: the larger model is worth it
-
-
-def f_test(small: tuple[float, int], large: tuple[float, int], samples: int) -> OrderTest:
+def f_test(small: tuple[float, int], large: tuple[float, int], samples: int) -> Tested:
     """Return F of two (V, p), against F(p2 - p1, N - p2)."""
     (v1, p1), (v2, p2) = small, large
     from scipy.special import fdtrc  # noqa: PLC0415
 
     statistic = (v1 - v2) / v2 * (samples - p2) / (p2 - p1)
-    freedom = (p2 - p1, samples - p2)
-    return OrderTest(statistic, freedom, float(fdtrc(*freedom, max(statistic, 0.0))))
+    chance = float(fdtrc(p2 - p1, samples - p2, max(statistic, 0.0)))
+    return Tested(statistic, p2 - p1, chance)
 
 
 def aic_of_loss(loss: float, samples: int, parameters: int) -> float:
@@ -199,7 +194,7 @@ def aic_of_likelihood(log_likelihood: float, parameters: int) -> float:
     return -2.0 * log_likelihood + 2.0 * parameters
 
 
-def ratio_test(small: tuple[float, int], large: tuple[float, int]) -> OrderTest:
+def ratio_test(small: tuple[float, int], large: tuple[float, int]) -> Tested:
     """Return 2(log L2 - log L1) against chi-square of p2 - p1. Each model is (log L, p).
 
     ConfigError if the larger has no more parameters.
@@ -210,4 +205,4 @@ def ratio_test(small: tuple[float, int], large: tuple[float, int]) -> OrderTest:
     from scipy.special import chdtrc  # noqa: PLC0415
 
     statistic = 2.0 * (l2 - l1)
-    return OrderTest(statistic, (p2 - p1,), float(chdtrc(p2 - p1, statistic)))
+    return Tested(statistic, p2 - p1, float(chdtrc(p2 - p1, statistic)))

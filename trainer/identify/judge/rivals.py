@@ -76,7 +76,7 @@ def _test_smaller(fitted: Fitted, smaller: Study, name: str) -> Rival:
         log_likelihood=other.log_likelihood,
         aic=aic_of_likelihood(other.log_likelihood, count),
         ratio=test.statistic,
-        freedom=test.freedom[0],
+        freedom=test.freedom,
         probability=test.probability,
     )
 

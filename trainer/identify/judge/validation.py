@@ -168,23 +168,17 @@ def other_problem(fitted: Fitted, record: Record) -> Problem:
         return problem
     still = alone(problem, problem.start)
     units = [replace(problem, first=first + one) for one in np.eye(len(first))[:states]]
-    there, weight = ~np.isnan(samples.outputs), 1.0 / _reading_errors(fitted)
+    noise = np.diag(plant.blocks(fitted.values[None]).noise[0])
+    spread = np.sqrt(noise[plant.model.states :])
+    if isinstance(fitted.cost, Innovations):  # which has no errors of readings: as they scatter
+        spread = _errors(_found(fitted))
+    there, weight = ~np.isnan(samples.outputs), 1.0 / np.maximum(spread, 1e-12)
     changes = [alone(unit, unit.start) - still for unit in units]
     free = np.column_stack([(change * weight)[there] for change in changes])
     width = np.maximum(np.linalg.norm(free, axis=0), 1e-300)
     left = ((samples.outputs - still) * weight)[there]
     best = np.linalg.lstsq(free / width, left, rcond=None)[0] / width
     return replace(problem, first=np.concatenate([best, first[states:]]))
-
-
-def _reading_errors(fitted: Fitted) -> Numbers:
-    """Return the standard deviations of the outputs' errors (y,), as fitted or as they scatter."""
-    plant = fitted.problem.plant
-    noise = np.diag(plant.blocks(fitted.values[None]).noise[0])
-    told = np.sqrt(noise[plant.model.states :])
-    if isinstance(fitted.cost, Innovations):  # which has no errors of readings
-        told = _errors(_found(fitted))
-    return np.asarray(np.maximum(told, 1e-12))
 
 
 def _found(fitted: Fitted) -> Problem:

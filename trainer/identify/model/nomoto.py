@@ -152,10 +152,8 @@ class Scale(NamedTuple):
 
 
 def scale(system: str, length: float, speed: float) -> Scale:
-    """Return the units of "prime", "bis" or "si" (3.6)."""
+    """Return the units of "prime" or "bis" (3.6)."""
     if system == "prime":
         return Scale(length / speed, speed, length)
-    if system == "bis":
-        time = math.sqrt(length / GRAVITY)
-        return Scale(time, length / time, length)
-    return Scale(1.0, 1.0, 1.0)
+    time = math.sqrt(length / GRAVITY)
+    return Scale(time, length / time, length)

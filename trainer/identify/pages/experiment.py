@@ -6,10 +6,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
 from trainer.identify.experiment import (
     LEAD,
+    HelmOptions,
     Sequence,
     exercise_text,
     fly_trial,
@@ -57,24 +57,15 @@ class Report:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExperimentOptions:
+class ExperimentOptions(HelmOptions):
     """A user's wishes for an experiment; None is what suits the boat."""
 
     vessel: str  # its name or path, for the exercise
     speed_kn: float | None = None
     depth: float | None = None  # [m]
-    zigzag: tuple[float, float] | None = None  # [deg] helm and heading, in place of a sequence
-    seconds: float = 600.0  # of a zig-zag
-    interval: float | None = None  # [s] between samples
     amplitude: float = 5.0  # [deg]
-    hold: float | None = None  # [s] of a bit
-    bits: int | None = None  # of the register
     periods: int = 1
     by: str = "rudder"
-    seed: int = 1
-    outputs: tuple[str, ...] = ()
-    sensors: Sensors
-    unrest: float = 0.02  # [deg/s] rms, of the sea alone
     sea: str | None = None
 
 

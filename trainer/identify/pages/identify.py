@@ -36,12 +36,15 @@ BEND_UNITS: Final = {"T1": "s", "T2": "s", "T3": "s", "K": "1/s", "kappa": "s^2"
 
 def render(report: Report) -> str:
     """Return the report as text."""
-    samples = f"{report.samples} samples every {report.interval_s:g} s"
+    samples, ship = f"{report.samples} samples every {report.interval_s:g} s", ""
+    if report.length_m is not None and report.speed_kn is not None:
+        speed = "" if report.runs else f", {report.speed_kn:.2f} kn"
+        ship = f"{report.length_m:g} m{speed}; "
     lines = [
         f"IDENTIFICATION, model {report.model} (LISPID)",
         f"{INDENT}{cut(report.study, 70)}",
         f"{INDENT}{cut(report.source, 75)}",
-        f"{INDENT}{_ship(report)}{samples} of {', '.join(report.outputs)}",
+        f"{INDENT}{ship}{samples} of {', '.join(report.outputs)}",
         f"{INDENT}" + ", ".join(f"{name} {value}" for name, value in report.settings.items()),
     ]
     what = "ship" if report.length_m else "system"
@@ -86,10 +89,9 @@ def _term_table(report: Report) -> list[str]:
     """Return how large the terms of the equations of motion are."""
     rows, before = [], ""
     for one in report.terms:
-        first = "" if one.equation == before else one.equation
+        first, before = "" if one.equation == before else one.equation, one.equation
         sizes = (f"{one.rms:.3g}", f"{one.largest:.3g}", f"{100.0 * one.share:.0f}")
         rows.append((first, one.name, one.unit, *sizes))
-        before = one.equation
     heads = ("contributions\nto the", "by", "unit", "rms", "largest", "% of\nall rms")
     return table(heads, rows)
 
@@ -106,14 +108,6 @@ def _matrix_lines(found: Matrices) -> list[str]:
                 numbers = " ".join(f"{x:11.4g}" for x in row)
                 lines.append(f"{2 * INDENT}{name if i == 0 else '':10}{numbers}")
     return lines
-
-
-def _ship(report: Report) -> str:
-    """Return length and speed, nothing of a user's own system."""
-    if report.length_m is None or report.speed_kn is None:
-        return ""
-    speed = "" if report.runs else f", {report.speed_kn:.2f} kn"
-    return f"{report.length_m:g} m{speed}; "
 
 
 def _run_table(report: Report) -> list[str]:
@@ -394,16 +388,14 @@ def sheet(found: Identified) -> str:
 
 def _directions(directions: tuple[Direction, ...]) -> Markup:
     """Return the eigenvalues of the second derivatives and what each is made of."""
-    rows = [(f"{one.eigenvalue:.3g}", _parts(one.parts)) for one in directions]
+    rows = []
+    for one in directions:
+        order = sorted(one.parts.items(), key=lambda part: -abs(part[1]))
+        parts = ", ".join(f"{name} {value:+.2f}" for name, value in order)
+        rows.append((f"{one.eigenvalue:.3g}", parts))
     words = (
         "Eigenvalues of the second derivatives of -log L, scaled to a unit diagonal, smallest "
         "first. The record tells least of the combination of parameters beside a small one."
     )
     heads = ("eigenvalue", "parts of the unit vector")
     return html.paragraph(words) + html.table(heads, rows, "facts")
-
-
-def _parts(parts: dict[str, float]) -> str:
-    """Return a direction in words, its largest part first."""
-    order = sorted(parts.items(), key=lambda part: -abs(part[1]))
-    return ", ".join(f"{name} {value:+.2f}" for name, value in order)

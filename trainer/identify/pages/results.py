@@ -368,9 +368,8 @@ def _doubts(fitted: Fitted, others: Allowed) -> list[str]:
 
 def _stability(fitted: Fitted) -> str:
     """Return in words whether the ship keeps a straight course, and how surely."""
-    told = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
-    known = dict(zip(fitted.quantity_names, fitted.told.deviations, strict=True))
-    value, deviation = float(told["1/T1"]), float(known["1/T1"])
+    place = fitted.quantity_names.index("1/T1")
+    value, deviation = float(fitted.told.values[place]), float(fitted.told.deviations[place])
     word = "stable" if value > 0.0 else "unstable"
     if not math.isfinite(deviation) or deviation == 0.0:
         return f"{word}: 1/T1 = {value:.4g} 1/s"

@@ -270,19 +270,20 @@ def observe(study: Study, loaded: Record | None = None) -> Observed:
 
 
 def studies_of(study: Study) -> tuple[Study, ...]:
-    """Return the study of each run alone, the first record's first."""
-    return (study, *(_study_of(study, number, row) for number, row in enumerate(study.runs, 1)))
+    """Return the study of each run alone, the first record's first.
 
-
-def _study_of(study: Study, number: int, row: RunRow) -> Study:
-    """Return the study of a further run; its instruments err on their own."""
-    ship, sensors = study.ship, study.sensors
-    if ship is not None and row.speed_kn is not None:
-        ship = replace(ship, speed_kn=row.speed_kn)
-    if sensors is not None:
-        sensors = replace(sensors, seed=(sensors.seed or 1) + number)
-    heading = replace(study.heading, data=row.data, from_s=row.from_s, to_s=row.to_s)
-    return replace(study, heading=heading, ship=ship, sensors=sensors, runs=())
+    The instruments of a further run err on their own.
+    """
+    found = [study]
+    for number, row in enumerate(study.runs, 1):
+        ship, sensors = study.ship, study.sensors
+        if ship is not None and row.speed_kn is not None:
+            ship = replace(ship, speed_kn=row.speed_kn)
+        if sensors is not None:
+            sensors = replace(sensors, seed=(sensors.seed or 1) + number)
+        heading = replace(study.heading, data=row.data, from_s=row.from_s, to_s=row.to_s)
+        found.append(replace(study, heading=heading, ship=ship, sensors=sensors, runs=()))
+    return tuple(found)
 
 
 def speed_of(study: Study, record: Record) -> float:

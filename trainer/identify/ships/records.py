@@ -104,7 +104,11 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
         if channel not in (*GROUND, *OF_ROLL) and missing.any():
             row = record.row(int(np.argmax(missing)))
             raise ConfigError(f"{record.source}: row {row}: {channel}: an input must be known")
-    t, table = _averaged(record.t, table, every)
+    t = record.t
+    if every > 1:  # rows are the means of as many around them
+        places = np.arange(every // 2, len(t) - every // 2, every)
+        around = places[:, None] + np.arange(every) - every // 2
+        t, table = t[places], table[around].mean(axis=1)
     if len(t) < SHORTEST:
         raise ConfigError(
             f"{record.source}: has {len(t)} samples of {every} rows; needs {SHORTEST} or more"
@@ -289,23 +293,13 @@ def _read_by(
     return replace(others, speed=record.speed + errors("sway", SPEED_STREAM)), further | rolls
 
 
-def _averaged(t: Numbers, table: Numbers, every: int) -> tuple[Numbers, Numbers]:
-    """Return every so many rows, each the mean of as many around it."""
-    if every == 1:
-        return t, table
-    places = np.arange(every // 2, len(t) - every // 2, every)
-    around = places[:, None] + np.arange(every) - every // 2
-    return t[places], np.asarray(table[around].mean(axis=1))
-
-
 def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
     """Return the table with seconds to the next row and their steps, then roll."""
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
     parts = np.maximum(np.ceil(gaps / (FINE * length / speed) - 1e-9), 1.0)
     parts = np.maximum(parts, np.ceil(gaps * math.sqrt(ship.stiffness) / SWING))
-    found = np.column_stack([table[:, :8], gaps, parts, table[:, 8:]])
-    return np.ascontiguousarray(found)
+    return np.ascontiguousarray(np.column_stack([table[:, :8], gaps, parts, table[:, 8:]]))
 
 
 def turned_ranges(trials: Sequence[Trial], length: float) -> dict[str, tuple[float, float]]:

@@ -200,14 +200,14 @@ def _strangers(problem: Problem, begin: Numbers) -> Iterator[str]:
         _, rates = smooth(trial, problem.constants[0])
         more = _left_in_yaw(problem, begin, trial) - _left_in_yaw(own, start, trial)
         share = more / max(float(np.var(rates[:, 2])), 1e-300)
+        told = (
+            f"{trial.source}: row 1 on: coefficients in common with the other records leave "
+            f"{share:.0%} more of its yaw acceleration than its own: is it of another ship, "
+            "loading, sign or unit? Fit ships one by one, each with its own file"
+        )
+        if share > STRANGERS:
+            raise ConfigError(told)
         if share > DOUBTED:
-            told = (
-                f"{trial.source}: row 1 on: coefficients in common with the other records leave "
-                f"{share:.0%} more of its yaw acceleration than its own: is it of another ship, "
-                "loading, sign or unit? Fit ships one by one, each with its own file"
-            )
-            if share > STRANGERS:
-                raise ConfigError(told)
             yield told
 
 
@@ -233,22 +233,20 @@ def explained(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
     with np.errstate(all="ignore"):
         error = y - predicted
         known = np.isfinite(y).any(axis=0)
-        lost = np.isnan(predicted).any()
         square = np.where(known, np.nanmean(np.where(known, error, 0.0) ** 2, axis=0), math.nan)
         spread = np.where(known, np.nanvar(np.where(known, y, 0.0), axis=0), math.nan)
     share = 100.0 * (1.0 - square / np.maximum(spread, 1e-300))
-    return np.full_like(share, math.nan) if lost else share, np.sqrt(square) * SCALES[: y.shape[1]]
+    rms = np.sqrt(square) * SCALES[: y.shape[1]]
+    return np.full_like(share, math.nan) if np.isnan(predicted).any() else share, rms
 
 
 def predict(problem: Problem, a: Numbers, trial: Trial, kind: str) -> Prediction:
-    """Return how well a record is predicted by its inputs alone."""
-    share, rms = explained(trial.readings, problem.sail(a, trial))
-    return Prediction(trial.source, kind, _known(share), _known(rms))
-
-
-def _known(values: Numbers) -> tuple[float | None, ...]:
-    """Return numbers, None for those that are none."""
-    return tuple(float(x) if math.isfinite(x) else None for x in values)
+    """Return how well a record is predicted by its inputs alone; None for what is no number."""
+    share, rms = (
+        tuple(float(x) if math.isfinite(x) else None for x in values)
+        for values in explained(trial.readings, problem.sail(a, trial))
+    )
+    return Prediction(trial.source, kind, share, rms)
 
 
 def _predictions(fitted: Fit, held: tuple[Trial, ...]) -> tuple[Prediction, ...]:
@@ -287,35 +285,27 @@ def untold(fitted: Fit) -> tuple[Untold, ...]:
     p = len(problem.model.free)
     if not np.isfinite(fitted.information).all():
         return ()
-    H = _marginal(fitted.information, p)
+    known = fitted.information
+    B, D = known[:p, p:], known[p:, p:]
+    width = 1.0 / np.sqrt(np.maximum(np.diag(D), 1e-300))
+    scaled = width[:, None] * np.linalg.pinv(D * np.outer(width, width), rcond=1e-12) * width
+    H = known[:p, :p] - B @ scaled @ B.T  # the first states being unknown
     unit = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
     sizes, vectors = np.linalg.eigh(H * np.outer(unit, unit))
     found = []
     for size, vector in zip(sizes[:MOST_DIRECTIONS], vectors.T, strict=False):
         if size < FAINT:
             turned = vector * np.sign(vector[int(np.argmax(np.abs(vector)))])
-            parts = {
-                name: float(x)
-                for name, x in zip(problem.model.free, turned, strict=True)
-                if abs(x) > PART
-            }
+            named = zip(problem.model.free, map(float, turned), strict=True)
+            parts = {name: x for name, x in named if abs(x) > PART}
             found.append(Untold(float(max(size, 0.0)), parts))
     return tuple(found)
 
 
-def _marginal(H: Numbers, kept: int) -> Numbers:
-    """Return the information of the first parameters, the others being unknown."""
-    A, B, D = H[:kept, :kept], H[:kept, kept:], H[kept:, kept:]
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(D), 1e-300))
-    scaled = unit[:, None] * np.linalg.pinv(D * np.outer(unit, unit), rcond=1e-12) * unit
-    return np.asarray(A - B @ scaled @ B.T)
-
-
 def _whiteness(fitted: Fit) -> tuple[Whiteness, ...]:
     """Return the tests of the innovations of all records, those of one after another's."""
-    rows = [
-        fitted.problem.innovations(fitted.found.a, i) for i in range(len(fitted.problem.trials))
-    ]
+    problem = fitted.problem
+    rows = [problem.innovations(fitted.found.a, i) for i in range(len(problem.trials))]
     gap = np.full((LAGS, rows[0].shape[1]), math.nan)
     joined = np.vstack([part for each in rows for part in (each, gap)])
     found = []
@@ -327,10 +317,8 @@ def _whiteness(fitted: Fit) -> tuple[Whiteness, ...]:
         test = portmanteau(own, count, LAGS)
         longer = 1.0 + 2.0 * float(np.sum(own[1:])) if test.probability < SUSPECT else 1.0
         deviation = float(np.sqrt(np.nanmean(values**2)))
-        factor = deviation * math.sqrt(max(longer, 1.0))
-        found.append(
-            Whiteness(output, deviation, test.probability, float(own[1]), max(factor, 1.0))
-        )
+        factor = max(deviation * math.sqrt(max(longer, 1.0)), 1.0)
+        found.append(Whiteness(output, deviation, test.probability, float(own[1]), factor))
     return tuple(found)
 
 
@@ -382,18 +370,24 @@ def _test_without(fitted: Fit, names: tuple[str, ...]) -> OrderTest:
             raise ConfigError(
                 f"--without {name}: it cannot be nothing; it is {FIXED[name]:g} in books"
             )
-    small = problem.fixing(names)
-    kept = [name not in names for name in problem.names] + [True] * (problem.size - problem.common)
-    end = search(small, fitted.found.a[kept], lambda *_: None)
-    counts = small.size, problem.size
-    test = ratio_test((-end.cost, counts[0]), (-fitted.found.cost, counts[1]))
-    return OrderTest(names, test.statistic, test.freedom[0], test.probability)
+    kept = np.array([name not in names for name in problem.names])
+    small = replace(
+        problem,
+        model=problem.model.without(names),
+        mean=problem.mean[kept],
+        width=problem.width[kept],
+    )
+    firsts = fitted.found.a[problem.common :]
+    begin = np.concatenate([fitted.found.a[: problem.common][kept], firsts])
+    end = search(small, begin, lambda *_: None)
+    test = ratio_test((-end.cost, small.size), (-fitted.found.cost, problem.size))
+    return OrderTest(names, test.statistic, test.freedom, test.probability)
 
 
 def _doubt(fitted: Fit) -> str:
     """Return why a fit did not settle, "" if it did."""
     promise = fitted.found.promise
-    if fitted.settled:
+    if fitted.found.settled:
         return ""
     if not math.isfinite(promise):
         return "where the search ended the likelihood has no slope: nothing is known of intervals"
@@ -406,7 +400,7 @@ def _report(
     """Return all that there is to say."""
     problem, trials = fitted.problem, fitted.problem.trials
     told = coefficients_of(fitted)
-    p = len(problem.model.free)
+    p, common = len(problem.model.free), problem.common
     steps = np.concatenate([np.diff(trial.t) for trial in trials])
     length = float(problem.constants[0])
     held_at = ", ".join(f"{name} {value:.4g}" for name, value in problem.model.held.items())
@@ -424,7 +418,7 @@ def _report(
             *([f"held, by the ship's file: {held_at}"] if held_at else []),
             *told_of_roll(fitted),
         ),
-        settled=fitted.settled,
+        settled=fitted.found.settled,
         doubt=_doubt(fitted),
         steps=fitted.found.steps,
         promise=fitted.found.promise,
@@ -445,9 +439,7 @@ def _report(
         ranges=turned_ranges(trials, length),
         tests=(),
         covariance_names=problem.names,
-        covariance=tuple(
-            tuple(map(float, row[: problem.common])) for row in fitted.covariance[: problem.common]
-        ),
+        covariance=tuple(map(tuple, fitted.covariance[:common, :common].tolist())),
     )
 
 

@@ -15,7 +15,7 @@ from trainer.config.files import ConfigError
 from trainer.config.sensors import Sensors
 from trainer.config.ship import ShipFile
 from trainer.core.kernel import Numbers
-from trainer.identify.experiment import TAPS, prbs
+from trainer.identify.experiment import TAPS, HelmOptions, prbs
 from trainer.identify.ships.fit import Fit, expect, problem_of
 from trainer.identify.ships.page import in_words
 from trainer.identify.ships.priors import GYRATION, prior_of
@@ -82,10 +82,8 @@ class Helm:
         """Return the helm in words."""
         if self.zigzag_deg:
             return "zig-zag {:g}/{:g}".format(*self.zigzag_deg)
-        return (
-            f"sequence of {self.sequence_deg:g} deg, bits of {self.hold_s:.3g} s, register of "
-            f"{self.bits}"
-        )
+        bits = f"bits of {self.hold_s:.3g} s, register of {self.bits}"
+        return f"sequence of {self.sequence_deg:g} deg, {bits}"
 
     @property
     def angle_deg(self) -> float:
@@ -101,20 +99,11 @@ class Helm:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrialOptions:
+class TrialOptions(HelmOptions):
     """A user's wishes for trials; None is what suits the ship."""
 
-    zigzag: tuple[float, float] | None = None  # [deg] rudder and heading
-    amplitude: float | None = None  # [deg] of a sequence, where one is wanted
-    hold: float | None = None  # [s] of a bit
-    bits: int | None = None  # of the register
-    seed: int = 1
-    seconds: float = 600.0
+    amplitude: float | None = None  # [deg] of a sequence, where one is wanted beside a zig-zag
     speeds: tuple[tuple[float, float], ...] = ()  # [kn] and that which the revolutions hold
-    interval: float | None = None  # [s] between samples
-    outputs: tuple[str, ...] = ()  # read beside the speed
-    sensors: Sensors
-    unrest: float = 0.02  # [deg/s] rms, of the sea alone
     prior_strength: float = 0.5
 
     @property
