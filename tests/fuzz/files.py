@@ -38,7 +38,7 @@ from trainer.config.sea import parse_sea
 from trainer.config.ship import parse_ship, ship_text
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core.kernel import Record
-from trainer.identify.fitting.checkpoint import resume
+from trainer.identify.judge.fitted import resume
 from trainer.identify.model.system_files import load_system
 from trainer.identify.record.decca import load_decca, sail
 from trainer.identify.record.sources import Column, load_record

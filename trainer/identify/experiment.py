@@ -24,6 +24,7 @@ from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.model.nomoto import Nomoto
 from trainer.identify.record.measurements import Record
+from trainer.identify.record.sources import OWN
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.orders.schedule import Scheduled
 from trainer.units import KNOT
@@ -251,7 +252,7 @@ def exercise_text(orders: tuple[tuple[float, str], ...], name: str, table: dict[
     return "\n".join(lines) + "\n"
 
 
-NAMES: Final = ("t", "delta_r", "psi", "r", "v", "u")
+FLOWN: Final = {"t": "t", **OWN}  # columns of the boat, by channel
 
 
 def fly_trial(
@@ -272,19 +273,13 @@ def fly_trial(
             answer = obey(boat, entry.order)
             if isinstance(answer, Refused):
                 raise ConfigError(f"{entry.seconds:g} s: {entry.order.text}: {answer.reason}")
-        rows.append(boat.numbers(NAMES))
+        rows.append(boat.numbers(tuple(FLOWN.values())))
         status = boat.tick()
         if status:
             raise ConfigError(f"{file.path.name}: {boat.failure(status)}")
-    table = np.array(rows).T
     return Record(
         source=f"{file.name} at {speed / KNOT:g} kn",
-        t=table[0],
-        rudder=table[1],
-        heading=table[2],
-        yaw_rate=table[3],
-        sway=table[4],
-        speed=table[5],
         rows=np.arange(len(rows)),
         names={},
+        **dict(zip(FLOWN, np.array(rows).T, strict=True)),
     )

@@ -70,13 +70,8 @@ def pose_problem(
         _check_interval(study, runs)
     each = _of_each_run(plant.model, rows, problem.free) if others else ()
     scale += [scale[problem.free.index(place)] for place in each] * len(others)
-    problem = replace(
-        problem,
-        scale=np.array(scale),
-        sampling=sampling,
-        others=tuple(runs[1:]),
-        own=each,
-    )
+    further: dict[str, Any] = {"others": tuple(runs[1:]), "own": each}
+    problem = replace(problem, scale=np.array(scale), sampling=sampling, **further)
     if fixed:
         check_count(record, problem.counted, len(problem.names))
     return problem, own
@@ -123,9 +118,10 @@ def dropped_names(study: Study, plant: Plant) -> tuple[str, ...]:
     noise = table_of(study).noise or ""
     if study.system is None:
         return tuple(x for x in plant.model.names if x.startswith(UNMODELLED.get(noise, ("?",))))
-    if noise == "innovations" and not study.system.has_gain:
-        return study.system.only_in({"R2"})[:1]
-    return study.system.only_in(NOISE) if noise in UNMODELLED else ()
+    system = study.system
+    if noise == "innovations" and "K" not in system.matrices(system.starts[None]):
+        return system.only_in({"R2"})[:1]  # it has no gain of its own
+    return system.only_in(NOISE) if noise in UNMODELLED else ()
 
 
 def _of_each_run(

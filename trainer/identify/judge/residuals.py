@@ -156,16 +156,14 @@ def goodness_of_fit(left: Numbers) -> Tested:
 
 def verdicts(found: Residuals) -> list[str]:
     """Return in words what the tests have found, nothing if all is well."""
-    texts = []
-    if found.whiteness.probability < SUSPECT:
-        texts.append("residuals are not white: the noise model or the order is too small")
-    if found.missing_dynamics.probability < SUSPECT:
-        texts.append("residuals follow the rudder: dynamics are missing from the model")
-    if found.feedback.probability < SUSPECT:
-        texts.append("the rudder follows the residuals: the record is of a closed loop")
-    if found.normality.probability < SUSPECT:
-        texts.append("residuals are not normal: outliers, or a sensor of few steps")
-    return [f"{found.output}: {text}" for text in texts]
+    texts = {
+        "residuals are not white: the noise model or the order is too small": found.whiteness,
+        "residuals follow the rudder: dynamics are missing from the model": found.missing_dynamics,
+        "the rudder follows the residuals: the record is of a closed loop": found.feedback,
+        "residuals are not normal: outliers, or a sensor of few steps": found.normality,
+    }
+    suspect = (text for text, test in texts.items() if test.probability < SUSPECT)
+    return [f"{found.output}: {text}" for text in suspect]
 
 
 def f_test(small: tuple[float, int], large: tuple[float, int], samples: int) -> Tested:

@@ -54,11 +54,6 @@ class System:
     touched: Mapping[str, frozenset[str]]  # by parameter: matrices that depend on it
     how: str  # of derivatives
 
-    @property
-    def has_gain(self) -> bool:
-        """Return whether it has a gain of its own."""
-        return "K" in self.matrices(self.starts[None])
-
     def only_in(self, matrices: set[str]) -> tuple[str, ...]:
         """Return the parameters that nothing beside these matrices depends on."""
         return tuple(name for name, found in self.touched.items() if found and found <= matrices)

@@ -116,11 +116,8 @@ def render(report: Report) -> str:
         for row in report.orders
     ]
     heads = ("order", "p", "V", "lambda", "AIC", "BIC", "F", "p(F)", "white\np", "feedback\np")
-    lines += ["", *table(heads, rows)]
-    lines += [
-        "",
-        f"{INDENT}Order by AIC {report.by_aic}, by BIC {report.by_bic}, by F {report.by_test}",
-    ]
+    chosen_by = f"Order by AIC {report.by_aic}, by BIC {report.by_bic}, by F {report.by_test}"
+    lines += ["", *table(heads, rows), "", f"{INDENT}{chosen_by}"]
     chosen = next(row for row in report.orders if row.order == report.by_aic)
     lines += ["", *_coefficient_table(chosen), "", *_root_lines(chosen)]
     if report.first_order is not None:

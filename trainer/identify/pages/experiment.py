@@ -155,9 +155,8 @@ def render(report: Report) -> str:
         f"{name} {value}" if isinstance(value, str) else f"{name} {value:g}"
         for name, value in report.settings.items()
     )
-    pace = (
-        f"turns at {report.largest_rate_deg_s:.2f} deg/s and slows to {report.lowest_speed_kn:.1f}"
-    )
+    turns, slows = report.largest_rate_deg_s, report.lowest_speed_kn
+    pace = f"turns at {turns:.2f} deg/s and slows to {slows:.1f}"
     lines = [
         f"RUDDER EXPERIMENT: {report.kind}",
         f"{INDENT}{cut(report.vessel, 70)}, {report.speed_kn:g} kn",

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -24,14 +24,6 @@ UNITS: Final = {"K": "1/s", "T1": "s", "T2": "s", "T3": "s", "K_v": "m/s", "T3v"
 LEVERS: Final = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")  # as a fit calls them
 
 
-class Loop(NamedTuple):
-    """The loop of an unstable ship's spiral, to either side (2.12)."""
-
-    rate_deg_s: float  # at zero helm
-    fold_rate_deg_s: float  # where the ship goes over to the other side
-    fold_helm_deg: float
-
-
 @dataclass(frozen=True)
 class AtSpeed:
     """How the ship steers at one speed, SI. T_imag is of a complex pair T1 and T2."""
@@ -43,7 +35,9 @@ class AtSpeed:
     neutral_deg: float  # residual helm
     stable: bool
     turns_deg_s: tuple[tuple[float, ...], ...]  # by HELMS, all rates that are steady
-    loop: Loop | None
+    # of an unstable ship's spiral, to either side (2.12): the rate [deg/s] at zero helm, and rate
+    # [deg/s] and helm [deg] where the ship goes over to the other side
+    loop: tuple[float, ...] | None
 
 
 @dataclass(frozen=True)
@@ -92,7 +86,7 @@ def _at_speed(
         turns_deg_s=tuple(
             tuple(rate / DEGREE for rate in bent.rates(helm * DEGREE)) for helm in HELMS
         ),
-        loop=bent.loop and Loop(*(one / DEGREE for one in bent.loop)),
+        loop=bent.loop and tuple(one / DEGREE for one in bent.loop),
     )
 
 

@@ -57,11 +57,6 @@ class Fit:
     others: tuple[float, ...]  # -log L where the other starts ended
 
     @property
-    def settled(self) -> bool:
-        """Return whether the best start settled."""
-        return self.found.settled
-
-    @property
     def deviations(self) -> Numbers:
         """Return the standard deviations."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
