@@ -98,7 +98,7 @@ def test_unwise_experiments_are_told_why() -> None:
 def test_the_exercise_written_is_one_the_trainer_reads() -> None:
     orders = Sequence(5, 3.0, 15.0, 1, "rudder").orders()
     table = {"vessel": "bb2", "speed_kn": 10.0, "depth_m": 60.0, "duration_s": 500.0}
-    text = exercise_text(orders, "PRBS at 10 kn", {**table, "sea": "sea-state-3"})  # type: ignore[dict-item]
+    text = exercise_text(orders, "PRBS at 10 kn", {**table, "sea": "sea-state-3"})
     exercise = parse_exercise(text, Path("trial.toml"))
     assert [entry.order.text for entry in exercise.schedule] == [order for _, order in orders]
     assert exercise.sea is not None

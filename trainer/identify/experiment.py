@@ -85,11 +85,12 @@ integrator = "{integrator}"
 briefing = """
 An experiment for identification: hands off, the helm is given by schedule and depth is
 kept by the planes. Record it, and give the recording to trainer identify."""'''
+INITIAL: Final = "\n[initial]\nspeed_kn = {speed_kn:g}\ndepth_m = {depth_m:g}\ncourse_deg = 0"
 
 
 @dataclass(frozen=True, kw_only=True)
 class HelmOptions:
-    """A user's wishes for a helm and its record; None is what suits the boat or ship."""
+    """A user's wishes for helm and record; None is what suits the vessel."""
 
     zigzag: tuple[float, float] | None = None  # [deg] rudder and heading, in place of a sequence
     hold: float | None = None  # [s] of a bit
@@ -245,8 +246,7 @@ def exercise_text(orders: tuple[tuple[float, str], ...], name: str, table: dict[
     lines = [EXERCISE.format(**table, name=name, equations=EQUATIONS, integrator=INTEGRATOR)]
     if "sea" in table:
         lines.append(f'sea = "{table["sea"]}"')
-    lines += ["", "[initial]", f"speed_kn = {table['speed_kn']:g}"]
-    lines += [f"depth_m = {table['depth_m']:g}", "course_deg = 0"]
+    lines.append(INITIAL.format(**table))
     for seconds, order in orders:
         lines += ["", "[[orders]]", f"at_s = {seconds:g}", f'order = "{order}"']
     return "\n".join(lines) + "\n"

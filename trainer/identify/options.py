@@ -67,10 +67,8 @@ def study_of(file: Path, options: IdentifyOptions) -> Study:
 
 def as_asked(study: Study, options: IdentifyOptions) -> Study:
     """Return the study, changed as ``trainer identify``'s options say; ConfigError if wrong."""
-    heading = replace(
-        study.heading,
-        **_given(every=options.every, from_s=options.begin, to_s=options.end),
-    )
+    times = _given(every=options.every, from_s=options.begin, to_s=options.end)
+    heading = replace(study.heading, **times)
     runs = list(study.runs)
     for path in options.further:
         if path.suffix == ".toml":

@@ -135,9 +135,9 @@ def _ratio(over: float, under: float) -> float:
 
 
 def levers(F: Numbers, g: Numbers) -> tuple[float, float, float, float]:
-    """Return the lever arms of sway, yaw and rudder, and the margin l_r - l_v (3.4, 3.5).
+    """Return lever arms of sway, yaw and rudder, and the margin (3.4, 3.5).
 
-    They are of F = [Y_v, Y_r - m u. N_v, N_r - m x_G u] and g.
+    The margin is l_r - l_v. They are of F = [Y_v, Y_r - m u. N_v, N_r - m x_G u] and g.
     """
     l_v, l_r = _ratio(F[1, 0], F[0, 0]), _ratio(F[1, 1], F[0, 1])
     return l_v, l_r, _ratio(g[1], g[0]), l_r - l_v

@@ -191,13 +191,8 @@ def carry_out(
         if options.simulate:
             fitted = simulate(study, record, others)
         else:
-            fitted = fit(
-                study,
-                record,
-                lambda step: heard(step.steps, step.cost),
-                options.checkpoint,
-                others,
-            )
+            kept = options.checkpoint
+            fitted = fit(study, record, lambda one: heard(one.steps, one.cost), kept, others)
     except ConfigError as error:  # what is odd about the record may be why
         raise ConfigError(*error.problems, *findings) from None
     odd = findings if len(seen) > 1 else [str(finding) for finding in seen[0].findings]
@@ -207,8 +202,11 @@ def carry_out(
         more["check"] = check_of(fitted, options.check)
     if options.matrices:
         more["matrices"] = matrices_of(fitted)
-    found = replace(found, report=replace(found.report, **more))
-    return bent(found, *bends[0], joint=options.joint) if bends else found
+    for kind, path in bends:  # one at most
+        more["bend"], turned = bend_of(fitted, path, kind, joint=options.joint)
+        terms = found.terms | bent_terms(more["bend"], turned)
+        more["terms"], found = sizes_of(terms), replace(found, terms=terms, turned=turned)
+    return replace(found, report=replace(found.report, **more))
 
 
 def describe(fitted: Fitted, findings: tuple[str, ...] = ()) -> Identified:
@@ -217,14 +215,6 @@ def describe(fitted: Fitted, findings: tuple[str, ...] = ()) -> Identified:
     terms = terms_of(fitted, run.states)
     report = replace(report_of(fitted, findings, others, run), terms=sizes_of(terms))
     return Identified(fitted, report, others, run, terms)
-
-
-def bent(found: Identified, kind: str, path: Path, *, joint: bool) -> Identified:
-    """Return what was identified with the kappa or the H(r) of another record."""
-    bend, record = bend_of(found.fitted, path, kind, joint=joint)
-    terms = found.terms | bent_terms(bend, record)
-    report = replace(found.report, bend=bend, terms=sizes_of(terms))
-    return replace(found, report=report, terms=terms, turned=record)
 
 
 def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: Shown) -> Report:

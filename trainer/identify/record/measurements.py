@@ -106,7 +106,7 @@ class Record:
         return int(self.rows[place])
 
     def finding(self, channel: str, text: str, place: int | np.integer | None = None) -> Finding:
-        """Return what is told of a channel: of the sample at a place, or of the whole column."""
+        """Return a finding about a channel: at the sample of a place, or all."""
         return Finding(self.name(channel), 0 if place is None else self.row(int(place)), text)
 
     def part(self, places: Any) -> "Record":

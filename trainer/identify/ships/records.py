@@ -211,12 +211,10 @@ def _check_sign(record: Record) -> None:
     good = np.isfinite(rate)
     together = float(np.corrcoef(rudder[good], change[good])[0, 1])
     if together > TURNS_RIGHT:
-        row = record.row(int(np.argmax(np.abs(rudder))))
-        raise ConfigError(
-            f"{record.source}: row {row}: {record.name('rudder')}: positive helm turns this ship "
-            f'to starboard (correlation {together:.2f}): say positive_rudder = "starboard" in '
-            "[records]"
-        )
+        text = f"positive helm turns this ship to starboard (correlation {together:.2f}): "
+        remedy = 'say positive_rudder = "starboard" in [records]'
+        what = record.finding("rudder", text + remedy, np.argmax(np.abs(rudder)))
+        raise ConfigError(f"{record.source}: {what}")
 
 
 def _check_propeller(record: Record, n: Numbers, ship: ShipFile) -> None:

@@ -241,7 +241,7 @@ def explained(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def predict(problem: Problem, a: Numbers, trial: Trial, kind: str) -> Prediction:
-    """Return how well a record is predicted by its inputs alone; None for what is no number."""
+    """Return how well inputs alone predict a record; None is no number."""
     share, rms = (
         tuple(float(x) if math.isfinite(x) else None for x in values)
         for values in explained(trial.readings, problem.sail(a, trial))

@@ -228,9 +228,7 @@ class Sailing:
         table = read_record(ManoeuvreTable, tables["manoeuvre"], inside, ())
         given = {"method": asdict(self.study.method), "manoeuvre": asdict(table)}
         problems = [
-            Place(self.study.path.name, where).wrong(
-                key, given[where][key], "is for boats, not for ships"
-            )
+            Place(path.name, where).wrong(key, given[where][key], "is for boats, not for ships")
             for where, keys in OF_BOATS.items()
             for key in keys
             if given[where][key] is not None
