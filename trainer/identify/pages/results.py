@@ -23,7 +23,7 @@ from trainer.identify.judge.residuals import (
     examine_residuals,
     verdicts,
 )
-from trainer.identify.judge.rivals import Rival, rivals_of
+from trainer.identify.judge.rivals import Rival, against, without
 from trainer.identify.judge.uncertainty import intervals
 from trainer.identify.judge.validation import Check, alone, bend_of, check_of
 from trainer.identify.model.derived import DERIVATIVES, quantity_units
@@ -197,7 +197,10 @@ def carry_out(
         raise ConfigError(*error.problems, *findings) from None
     odd = findings if len(seen) > 1 else [str(finding) for finding in seen[0].findings]
     found = describe(fitted, tuple(odd))
-    more: dict[str, Any] = {"rivals": rivals_of(fitted, options.against, options.without)}
+    rivals = [without(fitted, options.without)] if options.without else []
+    if options.against is not None:
+        rivals.append(against(fitted, options.against))
+    more: dict[str, Any] = {"rivals": tuple(rivals)}
     if options.check is not None:
         more["check"] = check_of(fitted, options.check)
     if options.matrices:
