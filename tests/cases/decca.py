@@ -66,8 +66,7 @@ def voyage(seed: int) -> Voyage:
         {c: lane_at(slave, at) + LANES * stream.standard_normal() for c, slave in CHAIN.items()}
         for at in places
     ]
-    fixes = [fix.place if fix else Point(math.nan, math.nan) for fix in track(CHAIN, lanes, START)]
-    found_east, found_north = np.array(fixes).T
+    found_east, found_north = np.array([fix.place for fix in track(CHAIN, lanes, START)]).T
     return Voyage(
         found_east,
         found_north,

@@ -38,9 +38,9 @@ from trainer.config.sea import parse_sea
 from trainer.config.ship import parse_ship, ship_text
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core.kernel import Record
-from trainer.identify.fitting.checkpoint import resume
+from trainer.identify.judge.fitted import resume
 from trainer.identify.model.system_files import load_system
-from trainer.identify.record.decca_study import load_decca, load_readings
+from trainer.identify.record.decca import load_decca, sail
 from trainer.identify.record.sources import Column, load_record
 from trainer.identify.record.study import load_study
 from trainer.identify.ships.vehicle import IdentifiedShip
@@ -326,7 +326,7 @@ def _bb2() -> tuple[Records, Record]:
 
 def lanes(path: Path) -> None:
     """Read the lanes of a Decca study."""
-    load_readings(_decca(path))
+    sail(_decca(path), smooth=False)
 
 
 @functools.cache

@@ -89,7 +89,7 @@ def test_derivatives_of_the_errors_are_those_of_differences() -> None:
 
 def test_a_larger_model_never_fits_worse() -> None:
     y, u = simulated(SONG, 200, LAMBDA, 3)
-    losses = [order.fit.loss for order in try_orders(y, u, 4, initial=True, lags=10).tried]
+    losses = [order.loss for order in try_orders(y, u, 4, initial=True, lags=10).tried]
     assert losses == sorted(losses, reverse=True)
 
 
@@ -97,8 +97,8 @@ def test_the_order_that_made_a_record_is_chosen_for_it() -> None:
     model = Armax((-1.5, 0.7), (1.0, 0.5), (-0.5, 0.2), (0.0, 0.0))
     y, u = simulated(model, 600, 1.0, 4)
     orders = try_orders(y, u, 4, initial=False, lags=10)
-    assert orders.by_bic.fit.model.order == 2
-    assert orders.by_test.fit.model.order == 2
+    assert orders.by_bic.order == 2
+    assert orders.by_test.order == 2
     first = orders.tried[0].residuals
     assert first.whiteness.probability < 1e-6
     assert orders.tried[1].residuals.whiteness.probability > 0.01
@@ -175,7 +175,7 @@ def test_hakusans_record_asks_for_a_high_order_and_shows_its_autopilot() -> None
     y = detrend(np.array([float(row["YawRate"]) for row in rows]), "mean")
     u = detrend(np.array([float(row["Rudder"]) for row in rows]), "mean")
     orders = try_orders(y, u, 4, initial=True, lags=20)
-    assert orders.by_aic.fit.model.order == 4
+    assert orders.by_aic.order == 4
     # a second-order ship leaves the waves in its residuals, an autopilot feeds them back
     assert orders.tried[1].residuals.whiteness.probability < 0.01
     assert orders.tried[3].residuals.whiteness.probability > 0.1

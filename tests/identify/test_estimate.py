@@ -11,12 +11,12 @@ from cases.reference_ships import TANKER, TANKER_RUDDER, study
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
-from trainer.identify.fitting.checkpoint import keep, resume
 from trainer.identify.fitting.estimate import MINIMISERS, Starts, estimate
 from trainer.identify.fitting.likelihood import Likelihood
 from trainer.identify.fitting.minimise import Found, Search, unheard
 from trainer.identify.fitting.prediction_error import Innovations, MultiStep, settled_gain
 from trainer.identify.fitting.problem import Problem
+from trainer.identify.judge.fitted import keep, resume
 from trainer.identify.judge.uncertainty import hessian, inseparable, intervals, uncertainty
 from trainer.identify.judge.validation import draw_outputs
 from trainer.identify.model.models import MODELS, Ship

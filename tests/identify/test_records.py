@@ -13,7 +13,7 @@ from helpers.studies import columns
 from trainer.config import nomoto
 from trainer.config.files import ConfigError
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.record import decca_study
+from trainer.identify.record import decca
 from trainer.identify.record.findings import examine, follows_motion, unwrap_heading
 from trainer.identify.record.sources import Column, factor, load_record, own_columns
 from trainer.identify.record.study import load_study, observe, plain_study, speed_of
@@ -272,7 +272,7 @@ def test_an_output_without_any_value_is_refused(tmp_path: Path) -> None:
         observed(tmp_path, columns)
 
 
-@pytest.mark.parametrize("tables", [key_tables, decca_study.key_tables, nomoto.key_table])
+@pytest.mark.parametrize("tables", [key_tables, decca.key_tables, nomoto.key_table])
 def test_every_key_is_documented_as_it_is_read(tables: Any) -> None:
     page = ROOT / "docs" / "identification.md"
     text = page.read_text(encoding="utf-8")

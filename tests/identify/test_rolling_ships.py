@@ -115,7 +115,7 @@ def test_a_fit_finds_the_ship_and_her_roll(found: Fit) -> None:
     share = dict(zip(found.problem.names, found.prior_share, strict=True))
     of_roll = [name[:2] == "K_" for name in free]
 
-    assert found.settled
+    assert found.found.settled
     assert np.max(np.abs(away)) < 4.0
     assert np.mean(away**2) < 2.0
     assert np.mean(away[of_roll] ** 2) < 3.0

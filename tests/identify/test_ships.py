@@ -120,7 +120,7 @@ def test_the_gradient_is_that_of_the_likelihood_with_and_without_wake(wake: floa
 def test_a_reading_that_is_missing_counts_for_nothing() -> None:
     problem, a, _ = made_record("mmg")
     trial = problem.trials[0]
-    system = problem.system(a, 0)
+    system = problem.system(a, a[problem.first_places(0)])
     errors, none = np.empty((len(trial.table), 4, 2)), (np.empty(0), np.empty((0, 0)))
     whole = filter_record(system, trial.table, errors, *none)
     last = trial.table.copy()
@@ -185,7 +185,7 @@ def found() -> Fit:
 
 
 def test_a_fit_settles_where_all_its_starts_do(found: Fit) -> None:
-    assert found.settled
+    assert found.found.settled
     assert max(found.others) - min(found.others) < 0.1
     assert min(found.others) == pytest.approx(found.found.cost, abs=1e-4)
 
@@ -288,7 +288,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
         trial, first = sailed_zigzag(20.0, seed=1000 + i)
         problem, begin = pose(model, CONSTANTS, [trial], prior, 1.0)
         one = fit(problem, begin, lambda *_: None)
-        assert one.settled
+        assert one.found.settled
         p = len(model.free)
         truth = np.array([*(COEFFICIENTS[name] for name in model.free)])
         away = np.append(one.a[:p] - truth, one.a[-4:] - first)

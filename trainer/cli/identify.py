@@ -232,10 +232,9 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
     Example:  trainer decca run.toml --csv sway.csv --plot track.png
     """
     from trainer.identify.pages import decca as page
-    from trainer.identify.record.decca_study import load_decca, load_readings, sail, write_track
+    from trainer.identify.record.decca import load_decca, sail, write_track
 
-    study = load_decca(file)
-    sailed = sail(study, load_readings(study), smooth=smooth)
+    sailed = sail(load_decca(file), smooth=smooth)
     if csv is not None:
         write_track(sailed, csv)
     report = page.report_of(sailed, smooth=smooth)

@@ -8,7 +8,7 @@ maximum-length shift registers, and is flown in a calm, without ports or clock, 
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -19,10 +19,12 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.config.files import ConfigError
+from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.model.nomoto import Nomoto
 from trainer.identify.record.measurements import Record
+from trainer.identify.record.sources import OWN
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.orders.schedule import Scheduled
 from trainer.units import KNOT
@@ -73,6 +75,32 @@ MOST_ORDERS: Final = 499  # that an exercise file takes
 EQUATIONS: Final = "full"
 INTEGRATOR: Final = "rk4"
 KEPT: Final = "rudder auto"
+EXERCISE: Final = '''\
+schema = "exercise/1"
+name = "{name}"
+vessel = "{vessel}"
+duration_s = {duration_s:g}
+equations = "{equations}"
+integrator = "{integrator}"
+briefing = """
+An experiment for identification: hands off, the helm is given by schedule and depth is
+kept by the planes. Record it, and give the recording to trainer identify."""'''
+INITIAL: Final = "\n[initial]\nspeed_kn = {speed_kn:g}\ndepth_m = {depth_m:g}\ncourse_deg = 0"
+
+
+@dataclass(frozen=True, kw_only=True)
+class HelmOptions:
+    """A user's wishes for helm and record; None is what suits the vessel."""
+
+    zigzag: tuple[float, float] | None = None  # [deg] rudder and heading, in place of a sequence
+    hold: float | None = None  # [s] of a bit
+    bits: int | None = None  # of the register
+    seed: int = 1
+    seconds: float = 600.0  # of a zig-zag, or of all trials of a ship
+    interval: float | None = None  # [s] between samples
+    outputs: tuple[str, ...] = ()
+    sensors: Sensors
+    unrest: float = 0.02  # [deg/s] rms, of the sea alone
 
 
 def method_of(file: VesselFile) -> Method:
@@ -107,7 +135,11 @@ class Sequence:
         last = 0.0
         for i, bit in enumerate(list(prbs(self.bits, self.seed)) * self.periods):
             if bit != last:
-                found.append((LEAD + i * self.hold_s, self._order(bit)))
+                side = "left" if bit > 0 else "right"  # 1 to port, as the rudder is positive
+                rudder = f"rudder {side} {self.amplitude_deg:g}"
+                course = f"course {(-bit * self.amplitude_deg) % 360.0:05.1f}"
+                order = rudder if self.by == "rudder" else course
+                found.append((LEAD + i * self.hold_s, order))
             last = bit
         end = LEAD + self.hold_s * self.periods * (2**self.bits - 1)
         found.append((end, KEPT if self.by == "rudder" else "course 000"))
@@ -117,12 +149,6 @@ class Sequence:
                 "give fewer --bits or --periods"
             )
         return tuple(found)
-
-    def _order(self, bit: float) -> str:
-        """Return the order of a bit, 1 to port as the rudder is positive."""
-        if self.by == "rudder":
-            return f"rudder {'left' if bit > 0 else 'right'} {self.amplitude_deg:g}"
-        return f"course {(-bit * self.amplitude_deg) % 360.0:05.1f}"
 
 
 def schedule_orders(orders: tuple[tuple[float, str], ...]) -> list[Scheduled]:
@@ -172,15 +198,6 @@ def remarks(sequence: Sequence, ship: Nomoto, interval: float) -> Iterator[str]:
         yield f"a bit of {sequence.hold_s:g} s is no whole number of {interval:g} s samples"
 
 
-@dataclass(frozen=True)
-class ZigZagTold:
-    """The course of a zig-zag of the boat in a calm."""
-
-    reach_s: float | None = None  # from the first helm to the second
-    period_s: float | None = None  # from the second helm to the fourth
-    overshoots_deg: tuple[float, ...] = ()
-
-
 def zigzag_flight(
     file: VesselFile, speed: float, angles: tuple[float, float], seconds: float
 ) -> Flight:
@@ -205,46 +222,37 @@ def zigzag_orders(flight: Flight, angle: float) -> tuple[tuple[float, str], ...]
     return (*found, (late + float(flight.t[-1]), KEPT))
 
 
-def zigzag_told(flight: Flight, execute: float) -> ZigZagTold:
-    """Return reach, period and overshoots [deg] of a zig-zag with that heading angle [deg]."""
+def zigzag_told(flight: Flight, execute: float) -> dict[str, Any]:
+    """Return reach, period and overshoots of a zig-zag with that heading angle [deg].
+
+    The reach is from the first helm to the second, the period from that one to the fourth; None
+    where there is no such helm.
+    """
     measures = ZigZag(execute_deg=execute).measures(flight)
     times = [mark.t for mark in flight.marks if mark.name == "execute"]
     overshoots = [one.value for one in measures if "overshoot" in one.name]
-    return ZigZagTold(
-        reach_s=times[1] - times[0] if len(times) > 1 else None,
-        period_s=times[3] - times[1] if len(times) > 3 else None,
-        overshoots_deg=tuple(math.degrees(one) for one in overshoots if one is not None),
-    )
+    return {
+        "reach_s": times[1] - times[0] if len(times) > 1 else None,
+        "period_s": times[3] - times[1] if len(times) > 3 else None,
+        "overshoots_deg": tuple(math.degrees(one) for one in overshoots if one is not None),
+    }
 
 
-def exercise_text(
-    orders: tuple[tuple[float, str], ...], name: str, table: dict[str, str | float]
-) -> str:
+def exercise_text(orders: tuple[tuple[float, str], ...], name: str, table: dict[str, Any]) -> str:
     """Return the text of an exercise that gives ``orders``.
 
     ``table`` has vessel, speed_kn, depth_m, duration_s and perhaps sea.
     """
-    lines = [
-        'schema = "exercise/1"',
-        f'name = "{name}"',
-        f'vessel = "{table["vessel"]}"',
-        f"duration_s = {table['duration_s']:g}",
-        f'equations = "{EQUATIONS}"',
-        f'integrator = "{INTEGRATOR}"',
-        'briefing = """',
-        "An experiment for identification: hands off, the helm is given by schedule and depth is",
-        'kept by the planes. Record it, and give the recording to trainer identify."""',
-    ]
+    lines = [EXERCISE.format(**table, name=name, equations=EQUATIONS, integrator=INTEGRATOR)]
     if "sea" in table:
         lines.append(f'sea = "{table["sea"]}"')
-    lines += ["", "[initial]", f"speed_kn = {table['speed_kn']:g}"]
-    lines += [f"depth_m = {table['depth_m']:g}", "course_deg = 0"]
+    lines.append(INITIAL.format(**table))
     for seconds, order in orders:
         lines += ["", "[[orders]]", f"at_s = {seconds:g}", f'order = "{order}"']
     return "\n".join(lines) + "\n"
 
 
-NAMES: Final = ("t", "delta_r", "psi", "r", "v", "u")
+FLOWN: Final = {"t": "t", **OWN}  # columns of the boat, by channel
 
 
 def fly_trial(
@@ -261,27 +269,17 @@ def fly_trial(
     rows = []
     for _ in range(round(seconds / step) + 1):
         while waiting and waiting[0].seconds <= boat.time + 1e-9:
-            _give(boat, waiting.pop(0))
-        rows.append(boat.numbers(NAMES))
+            entry = waiting.pop(0)
+            answer = obey(boat, entry.order)
+            if isinstance(answer, Refused):
+                raise ConfigError(f"{entry.seconds:g} s: {entry.order.text}: {answer.reason}")
+        rows.append(boat.numbers(tuple(FLOWN.values())))
         status = boat.tick()
         if status:
             raise ConfigError(f"{file.path.name}: {boat.failure(status)}")
-    table = np.array(rows).T
     return Record(
         source=f"{file.name} at {speed / KNOT:g} kn",
-        t=table[0],
-        rudder=table[1],
-        heading=table[2],
-        yaw_rate=table[3],
-        sway=table[4],
-        speed=table[5],
         rows=np.arange(len(rows)),
         names={},
+        **dict(zip(FLOWN, np.array(rows).T, strict=True)),
     )
-
-
-def _give(boat: Boat, entry: Scheduled) -> None:
-    """Give an order; ConfigError with the boat's own words if it is refused."""
-    answer = obey(boat, entry.order)
-    if isinstance(answer, Refused):
-        raise ConfigError(f"{entry.seconds:g} s: {entry.order.text}: {answer.reason}")

@@ -23,7 +23,7 @@ from trainer.identify.pages.series import matrices_of, series_of
 from trainer.identify.pages.ship_files import nomoto_text, vessel_text
 from trainer.identify.record.frames import arrays_of, columns_of, names_of, record_of
 from trainer.identify.record.sources import FURTHER_CHANNELS, factor
-from trainer.identify.record.study import Study, observe, plain_study
+from trainer.identify.record.study import observe, plain_study
 from trainer.identify.record.study_records import METHODS, MODELS, NOISES, ParameterRow
 from trainer.identify.ships import page as ships_page
 from trainer.identify.ships.records import OF_ROLL, Trial, load_trial, trial_of
@@ -148,7 +148,7 @@ def fit(
 
 def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "FittedShip":
     """Return a linear or Nomoto ship fitted to a record."""
-    asked = {**given, "model": model}
+    asked: dict[str, Any] = {**given, "model": model}
     for name, words in CHOICES.items():
         if asked[name] not in (None, *words):
             raise ConfigError(f"{name} = {asked[name]!r}: must be {' or '.join(words)}")
@@ -158,16 +158,15 @@ def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "Fitted
         length=given["length"],
         knots=given["speed"],
         channels=tuple(given["outputs"]),
-        noise=given["noise"],
-        method=given["method"],
-        every=given["every"],
-        begin=given["begin"],
-        end=given["end"],
+        **{name: asked[name] for name in ("noise", "method", "every", "begin", "end")},
     )
     if isinstance(frame, str | Path):
         study, loaded = study_of(Path(frame), options), None
     else:
-        study = _study_of(frame, given)
+        plain = plain_study(FRAME)
+        heading = replace(plain.heading, positive_rudder=given["positive_rudder"])
+        columns = columns_of(frame, given["columns"], given["units"], ())
+        study = replace(plain, path=FRAME, heading=heading, columns=columns)
         loaded = record_of(arrays_of(frame, study.columns), study.columns)
         study = as_asked(study, options)
     rows = [ParameterRow(name=name, start=x) for name, x in given["start"].items()]
@@ -209,14 +208,6 @@ def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Tr
     taken = arrays_of(frame, columns)
     further = {name: taken.pop(name) for name in FURTHER_CHANNELS if name in taken}
     return trial_of(record_of(taken, columns), further, replace(ship, sensors=None), every)
-
-
-def _study_of(frame: Mapping[str, Any], given: FitOptions) -> Study:
-    """Return the study of arrays; ConfigError for channels, columns or units that are none."""
-    found = columns_of(frame, given["columns"], given["units"], ())
-    study = plain_study(FRAME)
-    heading = replace(study.heading, positive_rudder=given["positive_rudder"])
-    return replace(study, path=FRAME, heading=heading, columns=found)
 
 
 class _Shown:

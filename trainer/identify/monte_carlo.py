@@ -153,7 +153,10 @@ class Identifying:
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
-        """Return what is kept: estimates, deviations and whether the truth is covered."""
+        """Return what is kept: estimates, deviations and whether the truth is covered.
+
+        ConfigError if the study asks for what is none.
+        """
         model = self.middle[0].plant.model
         units = {one.name: one.unit for one in model.parameters}
         found = []
@@ -161,7 +164,13 @@ class Identifying:
             found += [Output(name, units[name]), Output(DEVIATION.format(name), units[name])]
             found.append(Output(COVERED.format(name), "-"))
         every = (*found, Output(CONVERGED, "-"), Output(GAIN, "-"))
-        return choose_kept(self.study, every)
+        asked, known = self.study.heading.measures, {one.name: one for one in every}
+        for name in asked or ():
+            if name not in known:
+                near, there = nearest(name, known), ", ".join(known)
+                text = f"no measure {quote(name)}{near}; there are {there}"
+                raise ConfigError(f"{self.study.path.name}: {text}")
+        return every if asked is None else tuple(known[name] for name in asked)
 
     def batch(self, first: int, count: int) -> Batch:
         """Return what becomes of ``count`` members from ``first`` on."""
@@ -178,15 +187,3 @@ class Identifying:
             found[name], found[DEVIATION.format(name)] = float(value), float(deviation)
             found[COVERED.format(name)] = float(low <= true <= high)
         return [found.get(output.name, math.nan) for output in self.outputs]
-
-
-def choose_kept(study: Study, every: tuple[Output, ...]) -> tuple[Output, ...]:
-    """Return the outputs that a study asks for; ConfigError if one is none."""
-    asked, known = study.heading.measures, {one.name: one for one in every}
-    if asked is None:
-        return every
-    for name in asked:
-        if name not in known:
-            text = f"no measure {quote(name)}{nearest(name, known)}; there are {', '.join(known)}"
-            raise ConfigError(f"{study.path.name}: {text}")
-    return tuple(known[name] for name in asked)

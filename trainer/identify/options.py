@@ -11,7 +11,7 @@ from trainer.identify.model.models import MODELS
 from trainer.identify.model.system_files import load_system
 from trainer.identify.record.sources import PLAIN, Column
 from trainer.identify.record.study import Study, load_study, plain_study
-from trainer.identify.record.study_records import ArmaxTable, Heading, ModelTable, RunRow, Ship
+from trainer.identify.record.study_records import ArmaxTable, ModelTable, RunRow, Ship
 
 USUAL: Final = ("sway", "yaw_rate", "heading")
 
@@ -67,24 +67,30 @@ def study_of(file: Path, options: IdentifyOptions) -> Study:
 
 def as_asked(study: Study, options: IdentifyOptions) -> Study:
     """Return the study, changed as ``trainer identify``'s options say; ConfigError if wrong."""
-    study = replace(study, heading=_heading(study.heading, options))
-    further = tuple(_run(study, path) for path in options.further)
-    study = _with_system(replace(study, runs=(*study.runs, *further)), options)
+    times = _given(every=options.every, from_s=options.begin, to_s=options.end)
+    heading = replace(study.heading, **times)
+    runs = list(study.runs)
+    for path in options.further:
+        if path.suffix == ".toml":
+            raise ConfigError(f"{path}: is a study: one study, and further records beside its own")
+        runs.append(RunRow(data=os.path.relpath(path, study.path.parent)))
+    study = _with_system(replace(study, heading=heading, runs=tuple(runs)), options)
     if options.exact:
         study = replace(study, sensors=None)
     ship = _ship(study, options)
     if options.armax:
-        return replace(study, ship=ship, armax=_armax(study, options))
+        base = study.armax or ArmaxTable(output="yaw_rate")
+        most = None if options.most is None else float(options.most)
+        given = _given(output=next(iter(options.channels), None), most=most)
+        return replace(study, ship=ship, armax=replace(base, **given))
     if options.data_only:
         return study
     return replace(study, ship=ship, model=_model(study, options))
 
 
-def _run(study: Study, path: Path) -> RunRow:
-    """Return a further record; ConfigError if it is none."""
-    if path.suffix == ".toml":
-        raise ConfigError(f"{path}: is a study: one study, and further records beside its own")
-    return RunRow(data=os.path.relpath(path, study.path.parent))
+def _given(**values: Any) -> dict[str, Any]:
+    """Return the values that an option gives: those that are not None."""
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def _with_system(study: Study, options: IdentifyOptions) -> Study:
@@ -111,12 +117,6 @@ def _with_system(study: Study, options: IdentifyOptions) -> Study:
     return replace(study, system=system, columns={**times, **plain}, sensors=None)
 
 
-def _heading(heading: Heading, options: IdentifyOptions) -> Heading:
-    """Return the heading with the part of the record that is asked for."""
-    given: dict[str, Any] = {"every": options.every, "from_s": options.begin, "to_s": options.end}
-    return replace(heading, **{key: value for key, value in given.items() if value is not None})
-
-
 def _ship(study: Study, options: IdentifyOptions) -> Ship | None:
     """Return the ship; None if neither study nor options tell of one."""
     vessel, length, knots = options.vessel, options.length, options.knots
@@ -127,16 +127,16 @@ def _ship(study: Study, options: IdentifyOptions) -> Ship | None:
         length = load_vessel(vessel).hull.length
     if ship is None and length is None:
         return None
-    given: dict[str, Any] = {"vessel": vessel, "length_m": length, "speed_kn": knots}
-    told = {key: value for key, value in given.items() if value is not None}
+    told = _given(vessel=vessel, length_m=length, speed_kn=knots)
     return replace(ship, **told) if ship is not None else Ship(**told)
 
 
 def _model(study: Study, options: IdentifyOptions) -> ModelTable:
     """Return the model; ConfigError if none is said."""
+    fitting = _given(noise=options.noise, method=options.method, reject=options.reject)
     if study.system is not None:
         base = study.model or ModelTable(kind="own")
-        return replace(base, kind="own", outputs=study.system.outputs, **_fitting(options))
+        return replace(base, kind="own", outputs=study.system.outputs, **fitting)
     kind: str = options.model or (study.model.kind if study.model else "")
     if not kind:
         raise ConfigError(
@@ -154,19 +154,4 @@ def _model(study: Study, options: IdentifyOptions) -> ModelTable:
     if not kept:
         raise ConfigError(f"model {kind} has outputs {', '.join(MODELS[kind].outputs)}")
     base = study.model or ModelTable(kind=kind, outputs=kept)
-    return replace(base, kind=kind, outputs=kept, **_fitting(options))
-
-
-def _fitting(options: IdentifyOptions) -> dict[str, Any]:
-    """Return what options say of how to fit."""
-    given = {"noise": options.noise, "method": options.method, "reject": options.reject}
-    return {name: value for name, value in given.items() if value is not None}
-
-
-def _armax(study: Study, options: IdentifyOptions) -> ArmaxTable:
-    """Return the ARMAX table."""
-    channels = options.channels
-    base = study.armax or ArmaxTable(output=channels[0] if channels else "yaw_rate")
-    if channels:
-        base = replace(base, output=channels[0])
-    return base if options.most is None else replace(base, most=float(options.most))
+    return replace(base, kind=kind, outputs=kept, **fitting)

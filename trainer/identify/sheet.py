@@ -44,8 +44,11 @@ def sheet(
 
 
 def _drawn(screen: Screen) -> Part:
-    """Return a screen with its figures in rows of two."""
-    figures = html.charts(map(_figure, screen.panels))
+    """Return a screen with its figures in rows of two, each with what its curves mean."""
+    figure = Markup("<figure><figcaption>{}</figcaption>{}{}</figure>")
+    figures = html.charts(
+        figure.format(panel.title, draw(panel), legend(panel.curves)) for panel in screen.panels
+    )
     rows = Markup('<div class="rows{}">{}</div>')
     return screen.title, rows.format((len(screen.panels) + 1) // 2, figures)
 
@@ -54,9 +57,3 @@ def listing(text: str) -> Markup:
     """Return text as the terminal has it, in columns; no table is parted."""
     blocks = Markup("\n").join(map(Markup("<pre>{}</pre>").format, text.split("\n\n")))
     return Markup('<div class="listing">\n{}\n</div>\n').format(blocks)
-
-
-def _figure(panel: Panel) -> Markup:
-    """Return a panel with its title and what its curves mean."""
-    caption = Markup("<figcaption>{}</figcaption>").format(panel.title)
-    return Markup("<figure>{}{}{}</figure>").format(caption, draw(panel), legend(panel.curves))

@@ -243,10 +243,10 @@ def _starts(search: _Search) -> list[Numbers]:
     eps, J = search.jacobian(zero)
     plain = zero - np.linalg.lstsq(J, eps, rcond=None)[0]
     n = search.order
-    for place, i in enumerate(search.sought):
-        if i // n == 2:
-            plain[place] = 0.0
-    errors = _long_errors(search.y, search.u, LONG_ORDER + n)
+    plain[search.sought // n == 2] = 0.0
+    lags = range(1, min(LONG_ORDER + n, len(search.y) // 4) + 1)
+    long = np.column_stack([_later(series, i) for series in (search.y, search.u) for i in lags])
+    errors = search.y - long @ np.linalg.lstsq(long, search.y, rcond=None)[0]
     columns = []
     for i in search.sought:
         kind, lag = divmod(int(i), n)
@@ -257,15 +257,6 @@ def _starts(search: _Search) -> list[Numbers]:
     second = np.linalg.lstsq(np.column_stack(columns), -search.y, rcond=None)[0]
     starts = [plain, second]
     return [theta for theta in starts if np.isfinite(search.loss(theta))] or [zero]
-
-
-def _long_errors(y: Numbers, u: Numbers, order: int) -> Numbers:
-    """Return the residuals (N,) of a long autoregression with input."""
-    order = min(order, len(y) // 4)
-    columns = [_later(series, i) for series in (y, u) for i in range(1, order + 1)]
-    regressors = np.column_stack(columns)
-    found = np.linalg.lstsq(regressors, y, rcond=None)[0]
-    return np.asarray(y - regressors @ found)
 
 
 class _End(NamedTuple):
@@ -285,25 +276,15 @@ def _descend(search: _Search, theta: Numbers) -> _End:
         expected = -float((J.T @ eps) @ step)
         if expected < SETTLED * loss:
             return _End(theta, rounds, settled=True)
-        nearer = _nearer(search, theta, step, loss)
+        halved = (search.stable(theta + 0.5**halving * step) for halving in range(HALVINGS))
+        tried = ((there, search.loss(there)) for there in halved)
+        nearer = next((one for one in tried if one[1] < loss), None)
         if nearer is None:
             return _End(theta, rounds, search.at_rim(theta) or expected < NO_NEARER * loss)
         before, (theta, loss) = loss, nearer
         if search.at_rim(theta) and before - loss < SETTLED * loss:
             return _End(theta, rounds, settled=True)
     return _End(theta, ROUNDS, settled=False)
-
-
-def _nearer(
-    search: _Search, theta: Numbers, step: Numbers, loss: float
-) -> tuple[Numbers, float] | None:
-    """Return coefficients of a lower loss along the step, and that loss; None if it has none."""
-    for halving in range(HALVINGS):
-        there = search.stable(theta + 0.5**halving * step)
-        lower = search.loss(there)
-        if lower < loss:
-            return there, lower
-    return None
 
 
 def _account(search: _Search, end: _End) -> ArmaxFit:

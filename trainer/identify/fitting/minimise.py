@@ -64,7 +64,6 @@ class Found:
     doubt: str = ""
 
 
-Mask = NDArray[np.bool_]
 Progress = Callable[[Found], None]
 
 
@@ -142,20 +141,19 @@ class Stretched:
         rates = self.rates(eta)
         return self.cost.information(self.theta(eta)) * np.outer(rates, rates)
 
-    def clipped(self, step: Numbers) -> Numbers:
-        """Return ``step`` with no bounded parameter going further than it may at once."""
-        return np.where(self.bounded, np.clip(step, -LONGEST, LONGEST), step)
+    def clipped(self, step: Numbers, most: float = LONGEST) -> Numbers:
+        """Return ``step`` with no bounded parameter going further than ``most``.
 
-    def at_end(self, eta: Numbers) -> Mask:
+        LONGEST is how far it may go at once, FAR where it has no effect any more.
+        """
+        return np.where(self.bounded, np.clip(step, -most, most), step)
+
+    def at_end(self, eta: Numbers) -> NDArray[np.bool_]:
         """Return which numbers are at an end: variances anywhere, as they may grow (f,)."""
         sine = np.abs(np.sin(self.theta(eta) * self.cost.problem.scale))
         lag = (self._kinds == "lag") & (np.abs(sine - 0.5) > 0.5 - NEAR)
         angle = (self._kinds == "angle") & (sine > 1.0 - NEAR)
         return np.asarray(self._positive | lag | angle)
-
-    def end(self, eta: Numbers) -> Numbers:
-        """Return ``eta`` with nothing beyond where it has an effect."""
-        return np.where(self.bounded, np.clip(eta, -FAR, FAR), eta)
 
     def newton(self, matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
         """Return the step to a quadratic's minimum, bounded ones going no further than they may.
@@ -242,7 +240,7 @@ def _damp_step(problem: Stretched, here: Place, damping: float) -> tuple[Numbers
         promised = -float(gradient @ step + 0.5 * step @ information @ step)
         gained = here.value - problem.cost.value(problem.theta(here.eta + step))
         if promised > 0.0 and gained > 1e-4 * promised:
-            moved = problem.end(here.eta + step)
+            moved = problem.clipped(here.eta + step, FAR)
             return moved, damping * (0.1 if gained > 0.5 * promised else 1.0)
         damping = max(10.0 * damping, 1e-6)
     return None, damping
@@ -278,17 +276,13 @@ def _judge_shape(problem: Stretched, eta: Numbers, gradient: Numbers, size: Numb
     promised = 0.5 * float(np.sum(along**2 / np.maximum(np.abs(sizes), CURVED)))
     step = np.zeros_like(eta)
     if len(sizes) and sizes[0] < CURVED:
-        step[free] = directions[:, 0] / width
-        return Verdict(
-            "the second derivatives are not all positive",
-            _along(problem, eta, problem.clipped(step)),
-        )
-    if promised <= SETTLED:
+        step[free], doubt = directions[:, 0] / width, "the second derivatives are not all positive"
+    elif promised > SETTLED:
+        step[free] = -directions @ (along / sizes) / width
+        doubt = f"a step promises {promised:.2g} more"
+    else:
         return Verdict("")
-    step[free] = -directions @ (along / sizes) / width
-    return Verdict(
-        f"a step promises {promised:.2g} more", _along(problem, eta, problem.clipped(step))
-    )
+    return Verdict(doubt, _along(problem, eta, problem.clipped(step)))
 
 
 def _lift(
@@ -311,7 +305,7 @@ def _along(problem: Stretched, eta: Numbers, direction: Numbers) -> Numbers | No
     """Return a place on a line that is lower by as much as matters; None if none was found."""
     value = problem.cost.value(problem.theta(eta))
     for length in LENGTHS:
-        tried = problem.end(eta + length * direction)
+        tried = problem.clipped(eta + length * direction, FAR)
         if problem.cost.value(problem.theta(tried)) < value - LEAST:
             return tried
     return None
@@ -385,7 +379,7 @@ def scipy_search(
             options={"maxiter": search.most},
             **more,
         )
-    return problem.end(best[1]), int(result.nit)
+    return problem.clipped(best[1], FAR), int(result.nit)
 
 
 def settle(problem: Stretched, eta: Numbers, search: Search, steps: int = 0) -> Found:

@@ -77,19 +77,15 @@ def start_values(
     for name, value in told.items():
         values[model.place(name)] = value
     if model.name == "1":
-        _check_ship(told)
+        lacking = [name for name in (*ACCELERATIONS, *DERIVATIVES) if name not in told]
+        if lacking:
+            raise ConfigError(
+                f"model 1 lacks a start for {', '.join(lacking)}: give a vessel, or "
+                "[[parameters]]; m11 to m22 cannot be estimated, the others start from a similar "
+                "ship"
+            )
     _disturb(plant, record, values, told)
     return values
-
-
-def _check_ship(told: Mapping[str, float]) -> None:
-    """Check that Model 1 has its ship; ConfigError naming what lacks."""
-    lacking = [name for name in (*ACCELERATIONS, *DERIVATIVES) if name not in told]
-    if lacking:
-        raise ConfigError(
-            f"model 1 lacks a start for {', '.join(lacking)}: give a vessel, or [[parameters]]; "
-            "m11 to m22 cannot be estimated, the others start from a similar ship"
-        )
 
 
 def _read(plant: Plant, record: Record) -> dict[str, float]:
@@ -157,14 +153,9 @@ def _disturb(plant: Plant, record: Record, values: Numbers, told: Mapping[str, f
         values[model.place(name)] = 1.0
     noise = plant.blocks(values[None]).noise[0]
     place = 0 if model.name in ("nomoto1", "2") else 1
-    channel = "sway" if model.name == "2" else "yaw_rate"
-    motion = _motion(record, channel)
+    seen = record.sway if model.name == "2" else record.yaw_rate
+    seen = record.column("turning")[:-1] if seen is None else seen
+    motion = float(np.nanstd(seen)) or 1e-6  # the usual size of it, SI
     density = (RESTLESS * motion) ** 2 / max(noise[place, place], 1e-300) / (5.0 * record.interval)
     for name in names:
         values[model.place(name)] = density
-
-
-def _motion(record: Record, channel: str) -> float:
-    """Return the usual size of a channel, SI."""
-    values = getattr(record, channel)
-    return float(np.nanstd(record.column("turning")[:-1] if values is None else values)) or 1e-6

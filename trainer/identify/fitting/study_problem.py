@@ -21,7 +21,7 @@ from trainer.identify.fitting.prediction_error import (
 from trainer.identify.fitting.problem import Problem, Run, problem_of
 from trainer.identify.fitting.start_values import free_names, start_values
 from trainer.identify.model.models import MODELS, Model, Plant, Ship
-from trainer.identify.model.own_systems import NOISE, System, model_of
+from trainer.identify.model.own_systems import NOISE, model_of
 from trainer.identify.model.steering import Steering, steering
 from trainer.identify.record.measurements import Record, check_count, samples_of
 from trainer.identify.record.study import Study, speed_of, studies_of
@@ -60,20 +60,18 @@ def pose_problem(
         runs.append(Run(at, samples_of(seen, plant.outputs, inputs), values))
     samples, values = runs[0].samples, runs[0].values
     problem = problem_of(plant, samples, values, free)
-    scale = [_scale(study, plant, place) for place in problem.free]
+    places = plant.model.places
+    told = [(places((row.name,)), row.scale) for row in study.parameters if row.scale is not None]
+    scales = {place: size for inside, size in reversed(told) for place in inside}
+    scale = [scales.get(place, 1.0) for place in problem.free]
     sampling = table.measurement or "instantaneous"
     if study.system is not None and study.system.discrete:
         sampling = "discrete"
         _check_interval(study, runs)
-    places = _of_each_run(plant.model, rows, problem.free) if others else ()
-    scale += [scale[problem.free.index(place)] for place in places] * len(others)
-    problem = replace(
-        problem,
-        scale=np.array(scale),
-        sampling=sampling,
-        others=tuple(runs[1:]),
-        own=places,
-    )
+    each = _of_each_run(plant.model, rows, problem.free) if others else ()
+    scale += [scale[problem.free.index(place)] for place in each] * len(others)
+    further: dict[str, Any] = {"others": tuple(runs[1:]), "own": each}
+    problem = replace(problem, scale=np.array(scale), sampling=sampling, **further)
     if fixed:
         check_count(record, problem.counted, len(problem.names))
     return problem, own
@@ -106,15 +104,13 @@ def _start(study: Study, plant: Plant, record: Record, ship: Mapping[str, float]
 def _estimated(study: Study, plant: Plant, rows: Sequence[ParameterRow]) -> list[str]:
     """Return the names of the parameters to estimate."""
     dropped, asked = dropped_names(study, plant), {row.name for row in rows if row.free == "yes"}
-    names = free_names(plant, rows) if study.system is None else _own_free(study.system, rows)
+    if study.system is None:
+        names: Sequence[str] = free_names(plant, rows)
+    else:
+        said = dict.fromkeys(study.system.held, "no")
+        said |= {row.name: row.free for row in rows if row.free is not None}
+        names = [x.name for x in study.system.parameters if said.get(x.name, "yes") == "yes"]
     return [name for name in names if name in asked or name not in dropped]
-
-
-def _own_free(system: System, rows: Sequence[ParameterRow]) -> list[str]:
-    """Return the free parameters of a user's own system."""
-    said = {row.name: row.free for row in rows if row.free is not None}
-    names = (one.name for one in system.parameters)
-    return [x for x in names if said.get(x, "no" if x in system.held else "yes") == "yes"]
 
 
 def dropped_names(study: Study, plant: Plant) -> tuple[str, ...]:
@@ -122,9 +118,10 @@ def dropped_names(study: Study, plant: Plant) -> tuple[str, ...]:
     noise = table_of(study).noise or ""
     if study.system is None:
         return tuple(x for x in plant.model.names if x.startswith(UNMODELLED.get(noise, ("?",))))
-    if noise == "innovations" and not study.system.has_gain:
-        return study.system.only_in({"R2"})[:1]
-    return study.system.only_in(NOISE) if noise in UNMODELLED else ()
+    system = study.system
+    if noise == "innovations" and "K" not in system.matrices(system.starts[None]):
+        return system.only_in({"R2"})[:1]  # it has no gain of its own
+    return system.only_in(NOISE) if noise in UNMODELLED else ()
 
 
 def _of_each_run(
@@ -153,14 +150,6 @@ def table_of(study: Study) -> ModelTable:
     if study.model is None:
         raise ConfigError(f"{study.path.name}: lacks [model]: say --model")
     return study.model
-
-
-def _scale(study: Study, plant: Plant, place: int) -> float:
-    """Return the scale of a parameter."""
-    for row in study.parameters:
-        if row.scale is not None and place in plant.model.places((row.name,)):
-            return row.scale
-    return 1.0
 
 
 def cost_of(problem: Problem, table: ModelTable) -> Cost:

@@ -24,14 +24,6 @@ LEVER: Final = 0.25  # [-] of the length: at which the sea's force makes its mom
 
 
 @dataclass(frozen=True)
-class Reading:
-    """The instruments of the ship, and the sea's own yaw rate [deg/s] rms."""
-
-    sensors: Sensors
-    unrest_deg_s: float
-
-
-@dataclass(frozen=True)
 class Prospect:
     """Expected values and standard deviations of a record, by name, in SI and prime.
 
@@ -46,23 +38,30 @@ class Prospect:
 
 
 def prospect(
-    steering: Steering, record: Record, outputs: tuple[str, ...], read: Reading
+    steering: Steering, record: Record, outputs: tuple[str, ...], sensors: Sensors, unrest: float
 ) -> Prospect:
     """Return what would be known from such a record of such a ship.
 
-    ConfigError if the record cannot separate the parameters.
+    The sea alone makes the yaw rate ``unrest`` [deg/s] rms. ConfigError if
+    the record cannot separate the parameters.
     """
     kind = "1" if "sway" in outputs else "nomoto2"
     model = MODELS[kind]
     plant = Plant(model, Ship(steering.length, steering.speed), outputs, record.interval)
-    values = model.vector(**_ship(steering, kind), **_sensors(read.sensors, kind))
+    errors = {
+        name: (sensors.error(channel) * UNITS[channel][1]) ** 2
+        for channel, name in ERRORS[kind].items()
+    }
+    values = model.vector(**_ship(steering, kind), **errors)
     for name, channel in STATES[kind]:
         if channel:
             values[model.place(name)] = float(record.column(channel)[0]) * UNITS[channel][1]
-    sea = _sea(steering, kind)
+    sea = {"R1_N": 1.0, "R1_Y": LEVER**-2}  # how densities of disturbance are to one another
+    if kind != "1":  # the moment acts on yaw at once and, through sway, by the rate 1/T3
+        sea = {"R1_2": 1.0, "R1_1": steering.nomoto.T3**-2}
     for name, share in sea.items():
         values[model.place(name)] = share
-    density = _density(plant, values, math.radians(read.unrest_deg_s))
+    density = _density(plant, values, math.radians(unrest))
     for name in sea:
         values[model.place(name)] *= density
     free = [name for name in free_names(plant, ()) if name not in sea or density > 0.0]
@@ -96,22 +95,6 @@ def _ship(steering: Steering, kind: str) -> dict[str, float]:
     if form.T1.imag:
         raise ConfigError("sway and yaw swing together: rudder to yaw alone has no T1 and T2")
     return {"K": form.K, "T1": form.T1.real, "T2": form.T2.real, "T3": form.T3}
-
-
-def _sea(steering: Steering, kind: str) -> dict[str, float]:
-    """Return how densities of disturbance are to one another.
-
-    With Nomoto's model the moment acts on yaw at once and, through sway, by the rate 1/T3.
-    """
-    if kind == "1":
-        return {"R1_N": 1.0, "R1_Y": LEVER**-2}
-    return {"R1_2": 1.0, "R1_1": steering.nomoto.T3**-2}
-
-
-def _sensors(sensors: Sensors, kind: str) -> dict[str, float]:
-    """Return the variances of what the model reads."""
-    each = ERRORS[kind].items()
-    return {name: (sensors.error(channel) * UNITS[channel][1]) ** 2 for channel, name in each}
 
 
 def _density(plant: Plant, values: Numbers, rate: float) -> float:

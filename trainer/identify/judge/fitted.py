@@ -1,6 +1,8 @@
 """A study carried out: the record read, the model fitted, and what is known afterwards."""
 
+import json
 import math
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,11 +11,10 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError
+from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.checkpoint import keep, resume
 from trainer.identify.fitting.estimate import Starts, estimate
-from trainer.identify.fitting.minimise import Cost, Found, Search
+from trainer.identify.fitting.minimise import Cost, Found, Progress, Search, unheard
 from trainer.identify.fitting.prediction_error import (
     REASONS,
     MultiStep,
@@ -99,16 +100,14 @@ def _check_separable(study: Study, problem: Problem) -> None:
     """
     if dropped_names(study, problem.plant):
         return
-    groups = inseparable(problem)
-    if groups:
-        raise ConfigError(*(f"{study.path.name}: {_inseparable(group)}" for group in groups))
-
-
-def _inseparable(group: tuple[str, ...]) -> str:
-    """Return what is wrong with a group of parameters that the record does not tell apart."""
-    if len(group) == 1:
-        return f'this record tells nothing of {group[0]}: fix it, free = "no"'
-    return f'this record cannot separate {" with ".join(group)}: fix one of them, free = "no"'
+    problems = [
+        f'cannot separate {" with ".join(group)}: fix one of them, free = "no"'
+        if len(group) > 1
+        else f'tells nothing of {group[0]}: fix it, free = "no"'
+        for group in inseparable(problem)
+    ]
+    if problems:
+        raise ConfigError(*(f"{study.path.name}: this record {text}" for text in problems))
 
 
 def fit(
@@ -199,9 +198,50 @@ def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
         by_hessian = uncertainty(names, curvature)
         if not np.isnan(by_hessian.covariance).any():
             return by_hessian
-    information = cost.information(theta)
-    if np.isfinite(information).all():
-        return beside_bounds(uncertainty(names, information))
-    n = len(names)
-    unknown = np.full((n, n), math.nan)
-    return Uncertainty(names, unknown, unknown, unknown[0], np.eye(n), ())
+    known = beside_bounds(uncertainty(names, cost.information(theta)))
+    if np.isnan(known.directions).any():
+        return replace(known, directions=np.eye(len(names)))
+    return known
+
+
+# A search kept in a file, how far it has come.
+
+
+def keep(path: Path, problem: Problem, heard: Progress = unheard) -> Progress:
+    """Return what keeps each step of a search in ``path``, and tells it."""
+
+    def write(found: Found) -> None:
+        theta = problem.folded(found.theta) * problem.scale
+        told = {
+            "model": problem.plant.model.name,
+            "cost": found.cost,
+            "parameters": dict(zip(problem.names, map(float, theta), strict=True)),
+        }
+        part = path.with_name(path.name + ".part")
+        part.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        os.replace(part, path)  # noqa: PTH105 - one call that is atomic on every system
+        heard(found)
+
+    return write
+
+
+def resume(path: Path, problem: Problem) -> Numbers:
+    """Return where to start (f,), from a file that ``keep`` wrote.
+
+    ConfigError if it is of another model or lacks a free parameter.
+    """
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"), parse_int=float)
+        model, parameters = told["model"], dict(told["parameters"])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        raise ConfigError(f"{path.name}: is no checkpoint of a search ({error})") from None
+    if model != problem.plant.model.name:
+        raise ConfigError(f"{path.name}: is of model {model}, not {problem.plant.model.name}")
+    lacking = [name for name in problem.names if name not in parameters]
+    if lacking:
+        raise ConfigError(f"{path.name}: lacks {', '.join(lacking)}, which are free here")
+    for name in problem.names:
+        value = parameters[name]
+        if isinstance(value, bool) or not isinstance(value, float) or not math.isfinite(value):
+            raise ConfigError(f"{path.name}: {name} = {quote(value)}: must be a number")
+    return np.array([parameters[name] for name in problem.names]) / problem.scale

@@ -1,11 +1,12 @@
 """ARMAX models of rising order, and which of them the record supports (MI 8.3, 9)."""
 
+import math
 from dataclasses import dataclass
+from typing import Final, NamedTuple
 
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.armax import ArmaxFit, fit_armax
+from trainer.identify.fitting.armax import Armax, fit_armax, rounding_poles
 from trainer.identify.judge.residuals import (
-    OrderTest,
     Residuals,
     aic_of_loss,
     bic_of_loss,
@@ -13,23 +14,44 @@ from trainer.identify.judge.residuals import (
     f_test,
 )
 
+BETTER_LEVEL: Final = 0.05  # [-] probability by chance, below which a larger model is better
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """One coefficient and its standard deviation, None where the record does not tell."""
+
+    name: str
+    value: float
+    deviation: float | None
+
 
 @dataclass(frozen=True)
 class Order:
     """One order tried."""
 
-    fit: ArmaxFit
+    order: int
+    parameters: int
+    loss: float  # V
+    deviation: float  # lambda, in the unit of the output
     aic: float
     bic: float
-    better: OrderTest | None  # than the order before
+    f: float | None  # against the order before
+    f_probability: float | None
+    converged: bool
+    coefficients: tuple[Coefficient, ...]
+    poles: tuple[tuple[float, float], ...]  # real and imaginary part
+    zeros: tuple[tuple[float, float], ...]
+    rounding: tuple[tuple[float, float], ...]  # negative poles that a zero cancels
+    inseparable: tuple[str, ...]
     residuals: Residuals
 
 
-@dataclass(frozen=True)
-class Orders:
-    """All orders tried, and which of them the criteria choose."""
+class Orders(NamedTuple):
+    """All orders tried with their models, and which of them the criteria choose."""
 
     tried: tuple[Order, ...]
+    models: tuple[Armax, ...]
 
     @property
     def by_aic(self) -> Order:
@@ -45,29 +67,43 @@ class Orders:
     def by_test(self) -> Order:
         """Return the first order whose successor is no improvement at the 5 % level."""
         for order, following in zip(self.tried, self.tried[1:], strict=False):
-            if following.better is not None and not following.better.prefers_larger:
+            if following.f_probability is not None and following.f_probability >= BETTER_LEVEL:
                 return order
         return self.tried[-1]
 
 
 def try_orders(y: Numbers, u: Numbers, most: int, *, initial: bool, lags: int) -> Orders:
     """Return the models of order 1 to ``most``. Output y and input u are (N,)."""
-    tried: list[Order] = []
+    tried, models = list[Order](), list[Armax]()
     for n in range(1, most + 1):
-        before = tried[-1].fit if tried else None
-        fit = fit_armax(y, u, n, initial=initial, lower=before.model if before else None)
-        left = fit.model.residuals(y, u)
+        fit = fit_armax(y, u, n, initial=initial, lower=models[-1] if models else None)
+        before, model = (tried[-1] if tried else None), fit.model
+        sizes = fit.loss, fit.parameters
         better = None
         if before is not None:
-            pair = (before.loss, before.parameters), (fit.loss, fit.parameters)
-            better = f_test(*pair, len(y))
+            better = f_test((before.loss, before.parameters), sizes, len(y))
+        known = zip(fit.names, fit.deviations, strict=True)
+        models.append(model)
         tried.append(
             Order(
-                fit=fit,
+                order=n,
+                parameters=fit.parameters,
+                loss=fit.loss,
+                deviation=fit.deviation,
                 aic=aic_of_loss(fit.loss, len(y), fit.parameters),
                 bic=bic_of_loss(fit.loss, len(y), fit.parameters),
-                better=better,
-                residuals=examine_residuals("output", left, u, lags, fitted=2 * n),
+                f=better.statistic if better else None,
+                f_probability=better.probability if better else None,
+                converged=fit.converged,
+                coefficients=tuple(
+                    Coefficient(name, model.value(name), s if math.isfinite(s) else None)
+                    for name, s in known
+                ),
+                poles=tuple((root.real, root.imag) for root in model.poles),
+                zeros=tuple((root.real, root.imag) for root in model.zeros),
+                rounding=rounding_poles(model),
+                inseparable=fit.inseparable,
+                residuals=examine_residuals("output", model.residuals(y, u), u, lags, fitted=2 * n),
             )
         )
-    return Orders(tuple(tried))
+    return Orders(tuple(tried), tuple(models))

@@ -7,7 +7,7 @@ counts coefficients and estimated initial states, the noise variance not.
 
 import math
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -24,7 +24,10 @@ SUSPECT: Final = 0.01  # [-] probability below which a test has found something
 
 @dataclass(frozen=True)
 class Tested:
-    """A statistic, its degrees of freedom, and the probability of one so large by chance."""
+    """A statistic, its degrees of freedom, and the probability of one so large by chance.
+
+    Of a model against a larger one: the larger is worth it where the probability is small.
+    """
 
     statistic: float
     freedom: int
@@ -68,7 +71,9 @@ def examine_residuals(
     cross = cross_correlation(centred, rudder - rudder.mean(), lags)
     input_own = correlation(rudder - rudder.mean(), lags)
     widening = math.sqrt(max(1.0 + 2.0 * float(own[1:] @ input_own[1:]), 0.1))
-    changes, pairs = _sign_changes(left)
+    positive, known = left > 0.0, ~np.isnan(left)
+    both = known[1:] & known[:-1]  # neighbours, which may differ in sign
+    pairs = int(np.sum(both))
     after, before = cross[lags:], cross[:lags]
     return Residuals(
         output=output,
@@ -78,7 +83,7 @@ def examine_residuals(
         correlation=tuple(map(float, own)),
         band=BAND / math.sqrt(count),
         whiteness=portmanteau(own, count, max(lags - fitted, 1)),
-        sign_changes=changes,
+        sign_changes=int(np.count_nonzero((positive[1:] != positive[:-1]) & both)),
         sign_changes_expected=pairs / 2.0,
         sign_changes_deviation=math.sqrt(pairs) / 2.0,
         normality=goodness_of_fit(left),
@@ -133,14 +138,6 @@ def _sum_test(cross: Numbers, input_own: Numbers, count: int) -> Tested:
     return Tested(statistic, len(cross), float(chdtrc(len(cross), statistic)))
 
 
-def _sign_changes(left: Numbers) -> tuple[int, int]:
-    """Return how often neighbours differ in sign, and how many pairs of neighbours there are."""
-    positive = left > 0.0
-    known = ~np.isnan(left)
-    both = known[1:] & known[:-1]
-    return int(np.count_nonzero((positive[1:] != positive[:-1]) & both)), int(np.sum(both))
-
-
 def goodness_of_fit(left: Numbers) -> Tested:
     """Return chi-square of the residuals in classes that a normal one fills equally."""
     from scipy.special import chdtrc, ndtr  # noqa: PLC0415
@@ -159,39 +156,24 @@ def goodness_of_fit(left: Numbers) -> Tested:
 
 def verdicts(found: Residuals) -> list[str]:
     """Return in words what the tests have found, nothing if all is well."""
-    texts = []
-    if found.whiteness.probability < SUSPECT:
-        texts.append("residuals are not white: the noise model or the order is too small")
-    if found.missing_dynamics.probability < SUSPECT:
-        texts.append("residuals follow the rudder: dynamics are missing from the model")
-    if found.feedback.probability < SUSPECT:
-        texts.append("the rudder follows the residuals: the record is of a closed loop")
-    if found.normality.probability < SUSPECT:
-        texts.append("residuals are not normal: outliers, or a sensor of few steps")
-    return [f"{found.output}: {text}" for text in texts]
+    texts = {
+        "residuals are not white: the noise model or the order is too small": found.whiteness,
+        "residuals follow the rudder: dynamics are missing from the model": found.missing_dynamics,
+        "the rudder follows the residuals: the record is of a closed loop": found.feedback,
+        "residuals are not normal: outliers, or a sensor of few steps": found.normality,
+    }
+    suspect = (text for text, test in texts.items() if test.probability < SUSPECT)
+    return [f"{found.output}: {text}" for text in suspect]
 
 
-class OrderTest(NamedTuple):
-    """A model against a larger one: the statistic, and its probability by chance."""
-
-    statistic: float
-    freedom: tuple[int, ...]
-    probability: float  # [-] small: the larger model is worth it
-
-    @property
-    def prefers_larger(self) -> bool:
-        """Return whether the larger model is better at the 5 % level."""
-        return self.probability < 0.05
-
-
-def f_test(small: tuple[float, int], large: tuple[float, int], samples: int) -> OrderTest:
+def f_test(small: tuple[float, int], large: tuple[float, int], samples: int) -> Tested:
     """Return F of two (V, p), against F(p2 - p1, N - p2)."""
     (v1, p1), (v2, p2) = small, large
     from scipy.special import fdtrc  # noqa: PLC0415
 
     statistic = (v1 - v2) / v2 * (samples - p2) / (p2 - p1)
-    freedom = (p2 - p1, samples - p2)
-    return OrderTest(statistic, freedom, float(fdtrc(*freedom, max(statistic, 0.0))))
+    chance = float(fdtrc(p2 - p1, samples - p2, max(statistic, 0.0)))
+    return Tested(statistic, p2 - p1, chance)
 
 
 def aic_of_loss(loss: float, samples: int, parameters: int) -> float:
@@ -210,7 +192,7 @@ def aic_of_likelihood(log_likelihood: float, parameters: int) -> float:
     return -2.0 * log_likelihood + 2.0 * parameters
 
 
-def ratio_test(small: tuple[float, int], large: tuple[float, int]) -> OrderTest:
+def ratio_test(small: tuple[float, int], large: tuple[float, int]) -> Tested:
     """Return 2(log L2 - log L1) against chi-square of p2 - p1. Each model is (log L, p).
 
     ConfigError if the larger has no more parameters.
@@ -221,4 +203,4 @@ def ratio_test(small: tuple[float, int], large: tuple[float, int]) -> OrderTest:
     from scipy.special import chdtrc  # noqa: PLC0415
 
     statistic = 2.0 * (l2 - l1)
-    return OrderTest(statistic, (p2 - p1,), float(chdtrc(p2 - p1, statistic)))
+    return Tested(statistic, p2 - p1, float(chdtrc(p2 - p1, statistic)))

@@ -76,14 +76,6 @@ def _test_smaller(fitted: Fitted, smaller: Study, name: str) -> Rival:
         log_likelihood=other.log_likelihood,
         aic=aic_of_likelihood(other.log_likelihood, count),
         ratio=test.statistic,
-        freedom=test.freedom[0],
+        freedom=test.freedom,
         probability=test.probability,
     )
-
-
-def rivals_of(fitted: Fitted, kind: str | None, names: tuple[str, ...]) -> tuple[Rival, ...]:
-    """Return the tests that were asked for."""
-    found = [without(fitted, names)] if names else []
-    if kind is not None:
-        found.append(against(fitted, kind))
-    return tuple(found)

@@ -120,7 +120,16 @@ def bend_of(fitted: Fitted, path: Path, kind: str, *, joint: bool) -> tuple[Bend
         raise ConfigError(f"{kind} goes with K, T1, T2 and T3: fit model 1, 3 or nomoto2")
     ship = Bent(form.K, form.T1.real, form.T2.real, form.T3)
     if kind == "spiral":
-        record = _turns(fitted, path)
+        study = load_study(path) if path.suffix == ".toml" else fitted.study
+        columns = {
+            name: study.columns[name] for name in ("rudder", "yaw_rate") if name in study.columns
+        }
+        data = study.heading.data if path.suffix == ".toml" else path.name
+        heading = replace(study.heading, data=data, from_s=None, to_s=None, every=None)
+        place = path.parent / study.path.name
+        record = observe(
+            replace(study, path=place, heading=heading, columns=columns, sensors=None)
+        ).record
         rudder, rate = record.column("rudder"), record.column("yaw_rate")
         return curve_from_turns(ship, record.source, rudder, rate), record
     record = other_record(fitted, path)
@@ -133,20 +142,6 @@ def bend_of(fitted: Fitted, path: Path, kind: str, *, joint: bool) -> tuple[Bend
     records = [own, record] if joint and not same else [record]
     free = ("kappa",) if kind == "kappa" else CURVE
     return bend_from_records(ship, records, (*LINEAR, *free) if joint else free), record
-
-
-def _turns(fitted: Fitted, path: Path) -> Record:
-    """Return steady turns, a row each, from a file of the same columns or another study."""
-    study = load_study(path) if path.suffix == ".toml" else fitted.study
-    columns = {
-        name: study.columns[name] for name in ("rudder", "yaw_rate") if name in study.columns
-    }
-    data = study.heading.data if path.suffix == ".toml" else path.name
-    heading = replace(study.heading, data=data, from_s=None, to_s=None, every=None)
-    place = path.parent / study.path.name
-    return observe(
-        replace(study, path=place, heading=heading, columns=columns, sensors=None)
-    ).record
 
 
 def other_problem(fitted: Fitted, record: Record) -> Problem:
@@ -173,23 +168,17 @@ def other_problem(fitted: Fitted, record: Record) -> Problem:
         return problem
     still = alone(problem, problem.start)
     units = [replace(problem, first=first + one) for one in np.eye(len(first))[:states]]
-    there, weight = ~np.isnan(samples.outputs), 1.0 / _reading_errors(fitted)
+    noise = np.diag(plant.blocks(fitted.values[None]).noise[0])
+    spread = np.sqrt(noise[plant.model.states :])
+    if isinstance(fitted.cost, Innovations):  # which has no errors of readings: as they scatter
+        spread = _errors(_found(fitted))
+    there, weight = ~np.isnan(samples.outputs), 1.0 / np.maximum(spread, 1e-12)
     changes = [alone(unit, unit.start) - still for unit in units]
     free = np.column_stack([(change * weight)[there] for change in changes])
     width = np.maximum(np.linalg.norm(free, axis=0), 1e-300)
     left = ((samples.outputs - still) * weight)[there]
     best = np.linalg.lstsq(free / width, left, rcond=None)[0] / width
     return replace(problem, first=np.concatenate([best, first[states:]]))
-
-
-def _reading_errors(fitted: Fitted) -> Numbers:
-    """Return the standard deviations of the outputs' errors (y,), as fitted or as they scatter."""
-    plant = fitted.problem.plant
-    noise = np.diag(plant.blocks(fitted.values[None]).noise[0])
-    told = np.sqrt(noise[plant.model.states :])
-    if isinstance(fitted.cost, Innovations):  # which has no errors of readings
-        told = _errors(_found(fitted))
-    return np.asarray(np.maximum(told, 1e-12))
 
 
 def _found(fitted: Fitted) -> Problem:

@@ -125,9 +125,8 @@ class Model:
         """Return the parameters with these values, zero elsewhere."""
         theta = np.zeros(len(self.parameters))
         inside = [name for name in self.given if name in values]
-        theta[list(self.places(inside))] = (
-            self.follow(*(values[name] for name in self.given)) if self.follow and inside else 0.0
-        )
+        if self.follow and inside:
+            theta[list(self.places(inside))] = self.follow(*(values[name] for name in self.given))
         for name, value in values.items():
             if name not in inside:
                 theta[self.place(name)] = value

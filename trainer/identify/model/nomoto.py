@@ -60,15 +60,6 @@ class Nomoto:
         return self.T1.real > 0.0 and self.T2.real > 0.0
 
 
-class Levers(NamedTuple):
-    """Lever arms of sway, yaw and rudder forces, and the stability margin l_r - l_v."""
-
-    l_v: float
-    l_r: float
-    l_delta: float
-    margin: float
-
-
 def solve_motion(M: Numbers, F: Numbers, g: Numbers) -> tuple[Numbers, Numbers]:
     """Return A (2, 2) or (2, 3) and b (2,). They are those of M x' = F x + g delta (3.1)."""
     return np.asarray(np.linalg.solve(M, F), float), np.asarray(np.linalg.solve(M, g), float)
@@ -143,10 +134,13 @@ def _ratio(over: float, under: float) -> float:
     return float(over / under)
 
 
-def levers(F: Numbers, g: Numbers) -> Levers:
-    """Return the lever arms of F = [Y_v, Y_r - m u. N_v, N_r - m x_G u] and g (3.4, 3.5)."""
+def levers(F: Numbers, g: Numbers) -> tuple[float, float, float, float]:
+    """Return lever arms of sway, yaw and rudder, and the margin (3.4, 3.5).
+
+    The margin is l_r - l_v. They are of F = [Y_v, Y_r - m u. N_v, N_r - m x_G u] and g.
+    """
     l_v, l_r = _ratio(F[1, 0], F[0, 0]), _ratio(F[1, 1], F[0, 1])
-    return Levers(l_v, l_r, _ratio(g[1], g[0]), l_r - l_v)
+    return l_v, l_r, _ratio(g[1], g[0]), l_r - l_v
 
 
 class Scale(NamedTuple):
@@ -158,10 +152,8 @@ class Scale(NamedTuple):
 
 
 def scale(system: str, length: float, speed: float) -> Scale:
-    """Return the units of "prime", "bis" or "si" (3.6)."""
+    """Return the units of "prime" or "bis" (3.6)."""
     if system == "prime":
         return Scale(length / speed, speed, length)
-    if system == "bis":
-        time = math.sqrt(length / GRAVITY)
-        return Scale(time, length / time, length)
-    return Scale(1.0, 1.0, 1.0)
+    time = math.sqrt(length / GRAVITY)
+    return Scale(time, length / time, length)

@@ -54,11 +54,6 @@ class System:
     touched: Mapping[str, frozenset[str]]  # by parameter: matrices that depend on it
     how: str  # of derivatives
 
-    @property
-    def has_gain(self) -> bool:
-        """Return whether it has a gain of its own."""
-        return "K" in self.matrices(self.starts[None])
-
     def only_in(self, matrices: set[str]) -> tuple[str, ...]:
         """Return the parameters that nothing beside these matrices depends on."""
         return tuple(name for name, found in self.touched.items() if found and found <= matrices)
@@ -95,7 +90,10 @@ class System:
         theta[:, bounded] = np.where(
             theta[:, bounded].real < 0.0, -theta[:, bounded], theta[:, bounded]
         )
-        found = {key: _proper(one) for key, one in self.matrices(theta).items()}
+        found = self.matrices(theta)
+        for key, one in found.items():  # an imaginary part beyond STRAY is no derivative
+            if np.iscomplexobj(one):
+                found[key] = np.where(np.abs(one.imag) > STRAY, math.nan, one)
         places = {
             "A": (drift, slice(x), slice(x)),
             "B": (drift, slice(x), slice(x, u)),
@@ -230,20 +228,17 @@ class _Programmed:
         try:
             with np.errstate(all="ignore"):
                 found = self._function(self._theta(*theta))
-            named = found if isinstance(found, Mapping) else _named(found)
-            return {key: _as_matrix(key, one) for key, one in named.items() if one is not None}
+            if isinstance(found, tuple | list) and len(found) == len(ORDER):
+                found = dict(zip(ORDER, found, strict=True))
+            if not isinstance(found, Mapping):
+                told = f"must return {', '.join(ORDER)}, or some matrices by name"
+                raise _ReturnedError(told)  # noqa: TRY301
+            return {key: _as_matrix(key, one) for key, one in found.items() if one is not None}
         except (ArithmeticError, np.linalg.LinAlgError):
             return {}
         except Exception as error:
             told = _failed(error, self._path)
             raise ConfigError(f"{self._path}: matrices(): {told}") from error
-
-
-def _named(found: Any) -> dict[str, Any]:
-    """Return the matrices of a tuple by name."""
-    if not isinstance(found, tuple | list) or len(found) != len(ORDER):
-        raise _ReturnedError(f"must return {', '.join(ORDER)}, or some matrices by name")
-    return dict(zip(ORDER, found, strict=True))
 
 
 def _as_matrix(name: str, value: Any) -> Entries:
@@ -364,19 +359,5 @@ def with_kinds(system: System) -> System:
 
 def model_of(system: System) -> Model:
     """Return the model of a system, which the estimation takes like any other."""
-    return Model(
-        "own",
-        system.parameters,
-        system.outputs,
-        system.states,
-        system.assemble,
-        inputs=len(system.inputs),
-        system=system,
-    )
-
-
-def _proper(matrix: Entries) -> Entries:
-    """Return a matrix, not a number where its imaginary part is no derivative."""
-    if not np.iscomplexobj(matrix):
-        return matrix
-    return np.where(np.abs(matrix.imag) > STRAY, math.nan, matrix)
+    parts = system.parameters, system.outputs, system.states, system.assemble
+    return Model("own", *parts, inputs=len(system.inputs), system=system)

@@ -13,7 +13,7 @@ import numpy as np
 from trainer.analysis.programs.characteristic import HORIZONTAL, Means, dimensional, horizontal
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
-from trainer.identify.model.nomoto import Levers, Nomoto, levers, nomoto, solve_motion, transfer
+from trainer.identify.model.nomoto import Nomoto, levers, nomoto, solve_motion, transfer
 
 STEERED: Final = ("v", "r")
 
@@ -35,7 +35,7 @@ class Steering:
         return nomoto(transfer(*solve_motion(self.M, self.F, self.g)))
 
     @property
-    def levers(self) -> Levers:
+    def levers(self) -> tuple[float, ...]:
         """Return the lever arms and the margin of stability [m]."""
         return levers(self.F, self.g)
 

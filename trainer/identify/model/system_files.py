@@ -8,7 +8,7 @@ derivative. A Python file is a program, and is run when it is loaded.
 import ast
 import math
 import operator
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -94,59 +94,41 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
     if depth > DEEPEST:
         raise ConfigError(f"expression: {DEEPEST} signs within one another at most")
     if isinstance(node, ast.Constant):
-        return _constant(node)
+        if isinstance(node.value, bool) or not isinstance(node.value, int | float):
+            raise ConfigError(f"{quote(node.value)}: is no number; there may be {ALLOWED}")
+        try:
+            value = float(node.value)
+        except OverflowError:
+            value = math.inf
+        if not math.isfinite(value):
+            raise ConfigError("expression: a number is too large")
+        return lambda _: value
     if isinstance(node, ast.Name):
-        return _named(node.id, names)
-    parts = tuple(_built(part, names, depth + 1) for part in _operands(node))
-    function = _function(node)
+        name, known = node.id, (*names, *CONSTANTS)
+        if name not in known:
+            there = ", ".join(known)
+            raise ConfigError(
+                f"no parameter {quote(name)}{nearest(name, known)}; there are {there}"
+            )
+        return lambda values: values[name] if name in names else CONSTANTS[name]
+    function, operands = _sign_of(node)
+    parts = tuple(_built(part, names, depth + 1) for part in operands)
     return lambda values: function(*(part(values) for part in parts))
 
 
-def _constant(node: ast.Constant) -> Expression:
-    """Return a number; ConfigError if it is another constant."""
-    if isinstance(node.value, bool) or not isinstance(node.value, int | float):
-        raise ConfigError(f"{quote(node.value)}: is no number; there may be {ALLOWED}")
-    try:
-        value = float(node.value)
-    except OverflowError:
-        value = math.inf
-    if not math.isfinite(value):
-        raise ConfigError("expression: a number is too large")
-    return lambda _: value
-
-
-def _named(name: str, names: tuple[str, ...]) -> Expression:
-    """Return the value of a parameter or constant; ConfigError if there is none such."""
-    if name in names:
-        return lambda values: values[name]
-    if name in CONSTANTS:
-        return lambda _: CONSTANTS[name]
-    known = (*names, *CONSTANTS)
-    there = ", ".join(known)
-    raise ConfigError(f"no parameter {quote(name)}{nearest(name, known)}; there are {there}")
-
-
-def _operands(node: ast.expr) -> Iterator[ast.expr]:
-    """Yield what a sign or function is of; ConfigError for anything else."""
+def _sign_of(node: ast.expr) -> tuple[Callable[..., Value], list[ast.expr]]:
+    """Return what a sign or a function does, and of what; ConfigError for anything else."""
     if isinstance(node, ast.BinOp) and type(node.op) in SIGNS:
-        yield from (node.left, node.right)
-    elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
-        yield node.operand
-    elif isinstance(node, ast.Call) and len(node.args) == 1 and not node.keywords:
-        yield node.args[0]
-    else:
+        return SIGNS[type(node.op)], [node.left, node.right]
+    if isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
+        return SIGNS[type(node.op)], [node.operand]
+    if not isinstance(node, ast.Call) or len(node.args) != 1 or node.keywords:
         raise ConfigError(f"{quote(ast.unparse(node))}: there may be only {ALLOWED}")
-
-
-def _function(node: ast.expr) -> Callable[..., Value]:
-    """Return what a sign or a function does; ConfigError if there is none such."""
-    if isinstance(node, ast.BinOp | ast.UnaryOp):
-        return SIGNS[type(node.op)]
-    name = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
+    name = node.func.id if isinstance(node.func, ast.Name) else ""
     if name not in FUNCTIONS:
         there = ", ".join(FUNCTIONS)
         raise ConfigError(f"no function {quote(name)}{nearest(name, FUNCTIONS)}; there are {there}")
-    return FUNCTIONS[name]
+    return FUNCTIONS[name], node.args
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """ARMAX models of rising order, as a page for a terminal and as a plot."""
 
-import math
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 
@@ -9,11 +9,10 @@ from trainer.identify.fitting.armax import (
     FirstOrder,
     detrend,
     remove_delay,
-    rounding_poles,
     without_wind,
 )
-from trainer.identify.judge.orders import Orders, try_orders
-from trainer.identify.judge.residuals import Residuals, verdicts
+from trainer.identify.judge.orders import Order, Orders, try_orders
+from trainer.identify.judge.residuals import verdicts
 from trainer.identify.model.models import UNITS
 from trainer.identify.pages.identify import correlation_panels, residual_table
 from trainer.identify.record.measurements import check_count, samples_of
@@ -24,36 +23,6 @@ from trainer.report.text import INDENT, cut, figure, items, table, wrap
 
 MOST: Final = 4  # orders
 LAGS: Final = 10
-
-
-@dataclass(frozen=True)
-class Coefficient:
-    """One coefficient and its standard deviation, None where the record does not tell."""
-
-    name: str
-    value: float
-    deviation: float | None
-
-
-@dataclass(frozen=True)
-class Row:
-    """One order tried."""
-
-    order: int
-    parameters: int
-    loss: float  # V
-    deviation: float  # lambda, in the unit of the output
-    aic: float
-    bic: float
-    f: float | None  # against the order before
-    f_probability: float | None
-    converged: bool
-    coefficients: tuple[Coefficient, ...]
-    poles: tuple[tuple[float, float], ...]  # real and imaginary part
-    zeros: tuple[tuple[float, float], ...]
-    rounding: tuple[tuple[float, float], ...]  # negative poles that a zero cancels
-    inseparable: tuple[str, ...]
-    residuals: Residuals
 
 
 @dataclass(frozen=True)
@@ -69,7 +38,7 @@ class Report:
     removed: str
     dead_time: int
     findings: tuple[str, ...]
-    orders: tuple[Row, ...]
+    orders: tuple[Order, ...]
     by_aic: int
     by_bic: int
     by_test: int
@@ -96,6 +65,10 @@ def carry_out(study: Study) -> tuple[Report, Orders]:
         detrend(samples.outputs[:, 0], how), detrend(samples.inputs[:, 0], how), dead
     )
     orders = try_orders(y, u, most, initial=initial, lags=int(asked.lags or LAGS))
+    ship = None
+    if asked.output == "heading" and most > 1:
+        with suppress(ConfigError):  # it may have none
+            ship = without_wind(orders.models[1], record.interval)
     report = Report(
         study=study.heading.name,
         source=record.source,
@@ -106,54 +79,14 @@ def carry_out(study: Study) -> tuple[Report, Orders]:
         removed=how,
         dead_time=dead,
         findings=tuple(map(str, observed.findings)),
-        orders=_rows(orders),
-        by_aic=orders.by_aic.fit.model.order,
-        by_bic=orders.by_bic.fit.model.order,
-        by_test=orders.by_test.fit.model.order,
-        first_order=_first_order(orders, asked.output, record.interval),
+        orders=orders.tried,
+        by_aic=orders.by_aic.order,
+        by_bic=orders.by_bic.order,
+        by_test=orders.by_test.order,
+        first_order=ship,
         verdicts=tuple(verdicts(orders.by_aic.residuals)),
     )
     return report, orders
-
-
-def _rows(orders: Orders) -> tuple[Row, ...]:
-    found = []
-    for order in orders.tried:
-        fit = order.fit
-        coefficients = (
-            Coefficient(name, fit.model.value(name), s if math.isfinite(s) else None)
-            for name, s in zip(fit.names, fit.deviations, strict=True)
-        )
-        found.append(
-            Row(
-                order=fit.model.order,
-                parameters=fit.parameters,
-                loss=fit.loss,
-                deviation=fit.deviation,
-                aic=order.aic,
-                bic=order.bic,
-                f=order.better and order.better.statistic,
-                f_probability=order.better and order.better.probability,
-                converged=fit.converged,
-                coefficients=tuple(coefficients),
-                poles=tuple((root.real, root.imag) for root in fit.model.poles),
-                zeros=tuple((root.real, root.imag) for root in fit.model.zeros),
-                rounding=rounding_poles(fit.model),
-                inseparable=fit.inseparable,
-                residuals=order.residuals,
-            )
-        )
-    return tuple(found)
-
-
-def _first_order(orders: Orders, output: str, interval: float) -> FirstOrder | None:
-    """Return the first-order ship in a heading's model of order 2; None if there is none."""
-    if output != "heading" or len(orders.tried) < 2:
-        return None
-    try:
-        return without_wind(orders.tried[1].fit.model, interval)
-    except ConfigError:
-        return None
 
 
 def render(report: Report) -> str:
@@ -183,11 +116,8 @@ def render(report: Report) -> str:
         for row in report.orders
     ]
     heads = ("order", "p", "V", "lambda", "AIC", "BIC", "F", "p(F)", "white\np", "feedback\np")
-    lines += ["", *table(heads, rows)]
-    lines += [
-        "",
-        f"{INDENT}Order by AIC {report.by_aic}, by BIC {report.by_bic}, by F {report.by_test}",
-    ]
+    chosen_by = f"Order by AIC {report.by_aic}, by BIC {report.by_bic}, by F {report.by_test}"
+    lines += ["", *table(heads, rows), "", f"{INDENT}{chosen_by}"]
     chosen = next(row for row in report.orders if row.order == report.by_aic)
     lines += ["", *_coefficient_table(chosen), "", *_root_lines(chosen)]
     if report.first_order is not None:
@@ -198,14 +128,14 @@ def render(report: Report) -> str:
     return "\n".join(lines)
 
 
-def _coefficient_table(row: Row) -> list[str]:
+def _coefficient_table(row: Order) -> list[str]:
     rows = [
         (one.name, f"{one.value:.5g}", figure(one.deviation, ".2g")) for one in row.coefficients
     ]
     return table((f"order {row.order}", "estimate", "std dev"), rows)
 
 
-def _root_lines(row: Row) -> list[str]:
+def _root_lines(row: Order) -> list[str]:
     """Return poles and zeros in the z plane."""
     lines = wrap(f"Poles {_roots(row.poles)}", INDENT, 2 * INDENT)
     lines += wrap(f"Zeros {_roots(row.zeros)}", INDENT, 2 * INDENT)

@@ -6,12 +6,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
 from trainer.identify.experiment import (
     LEAD,
+    HelmOptions,
     Sequence,
-    ZigZagTold,
     exercise_text,
     fly_trial,
     remarks,
@@ -23,7 +22,7 @@ from trainer.identify.experiment import (
     zigzag_orders,
     zigzag_told,
 )
-from trainer.identify.judge.design import Prospect, Reading, prospect
+from trainer.identify.judge.design import Prospect, prospect
 from trainer.identify.model.derived import QUANTITIES
 from trainer.identify.model.nomoto import Nomoto
 from trainer.identify.model.steering import steering
@@ -32,6 +31,7 @@ from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, cut, figure, items, table, wrap
 from trainer.units import KNOT
 
+UNTURNED: Final = {"reach_s": None, "period_s": None, "overshoots_deg": ()}  # no zig-zag
 UNMOVED: Final = ("T_imag",)  # shown with T1 if it is not zero
 
 
@@ -57,24 +57,15 @@ class Report:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExperimentOptions:
+class ExperimentOptions(HelmOptions):
     """A user's wishes for an experiment; None is what suits the boat."""
 
     vessel: str  # its name or path, for the exercise
     speed_kn: float | None = None
     depth: float | None = None  # [m]
-    zigzag: tuple[float, float] | None = None  # [deg] helm and heading, in place of a sequence
-    seconds: float = 600.0  # of a zig-zag
-    interval: float | None = None  # [s] between samples
     amplitude: float = 5.0  # [deg]
-    hold: float | None = None  # [s] of a bit
-    bits: int | None = None  # of the register
     periods: int = 1
     by: str = "rudder"
-    seed: int = 1
-    outputs: tuple[str, ...] = ()
-    sensors: Sensors
-    unrest: float = 0.02  # [deg/s] rms, of the sea alone
     sea: str | None = None
 
 
@@ -118,7 +109,7 @@ def design(file: VesselFile, options: ExperimentOptions) -> Design:
         largest_rate_deg_s=_largest(flight.yaw_rate),
         lowest_speed_kn=float(np.min(flight.column("speed"))) / KNOT,
         outputs=outputs,
-        prospect=prospect(ship, record, outputs, Reading(options.sensors, options.unrest)),
+        prospect=prospect(ship, record, outputs, options.sensors, options.unrest),
         **told,
     )
     return Design(report, flight, exercise)
@@ -141,7 +132,7 @@ def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
         seed=options.seed,
     )
     warned = tuple(remarks(sequence, ship, interval))
-    told = {"settings": asdict(sequence), "remarks": warned, **asdict(ZigZagTold())}
+    told = {"settings": asdict(sequence), "remarks": warned, **UNTURNED}
     return "PRBS", sequence.orders(), sequence.seconds, told
 
 
@@ -153,17 +144,19 @@ def _zigzag(file: VesselFile, speed: float, angles: tuple[float, float], most: f
     told = {
         "settings": {"helm_deg": helm, "execute_deg": execute},
         "remarks": (f"the ship reaches {execute:g} deg only in a calm at just these times",),
-        **asdict(zigzag_told(flight, execute)),
+        **zigzag_told(flight, execute),
     }
     return "zig-zag", orders, orders[-1][0] + LEAD, told
 
 
 def render(report: Report) -> str:
     """Return the report as text."""
-    settings = ", ".join(f"{name} {_word(value)}" for name, value in report.settings.items())
-    pace = (
-        f"turns at {report.largest_rate_deg_s:.2f} deg/s and slows to {report.lowest_speed_kn:.1f}"
+    settings = ", ".join(
+        f"{name} {value}" if isinstance(value, str) else f"{name} {value:g}"
+        for name, value in report.settings.items()
     )
+    turns, slows = report.largest_rate_deg_s, report.lowest_speed_kn
+    pace = f"turns at {turns:.2f} deg/s and slows to {slows:.1f}"
     lines = [
         f"RUDDER EXPERIMENT: {report.kind}",
         f"{INDENT}{cut(report.vessel, 70)}, {report.speed_kn:g} kn",
@@ -187,7 +180,7 @@ def render(report: Report) -> str:
             QUANTITIES.get(name, "prime"),
             f"{value:.5g}",
             f"{told.deviations[name]:.2g}",
-            _percent(value, told.deviations[name]),
+            f"{100.0 * told.deviations[name] / abs(value):.1f}" if value else "-",
         )
         for name, value in told.values.items()
         if name not in UNMOVED and (value or told.deviations[name])
@@ -196,14 +189,6 @@ def render(report: Report) -> str:
     if report.remarks:
         lines += ["", *items(report.remarks)]
     return "\n".join(lines)
-
-
-def _word(value: object) -> str:
-    return f"{value:g}" if isinstance(value, int | float) else str(value)
-
-
-def _percent(value: float, deviation: float) -> str:
-    return f"{100.0 * deviation / abs(value):.1f}" if value else "-"
 
 
 def panels(design_: Design) -> tuple[Panel, ...]:

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from trainer.core.kernel import Numbers
 from trainer.identify import sheet as sheets
-from trainer.identify.fitting.nonlinear import predict
+from trainer.identify.fitting.nonlinear import Bend, predict
 from trainer.identify.judge.allowed import Band, pulse_of, step_of
 from trainer.identify.judge.residuals import Residuals
 from trainer.identify.judge.validation import Check, alone
@@ -36,44 +36,38 @@ BEND_UNITS: Final = {"T1": "s", "T2": "s", "T3": "s", "K": "1/s", "kappa": "s^2"
 
 def render(report: Report) -> str:
     """Return the report as text."""
-    samples = f"{report.samples} samples every {report.interval_s:g} s"
+    samples, ship = f"{report.samples} samples every {report.interval_s:g} s", ""
+    if report.length_m is not None and report.speed_kn is not None:
+        speed = "" if report.runs else f", {report.speed_kn:.2f} kn"
+        ship = f"{report.length_m:g} m{speed}; "
     lines = [
         f"IDENTIFICATION, model {report.model} (LISPID)",
         f"{INDENT}{cut(report.study, 70)}",
         f"{INDENT}{cut(report.source, 75)}",
-        f"{INDENT}{_ship(report)}{samples} of {', '.join(report.outputs)}",
+        f"{INDENT}{ship}{samples} of {', '.join(report.outputs)}",
         f"{INDENT}" + ", ".join(f"{name} {value}" for name, value in report.settings.items()),
     ]
-    if report.findings:
-        lines += ["", f"{INDENT}The record:"]
-        lines += items(report.findings)
-    lines += ["", *_parameter_table(report), "", *_ship_table(report)]
     what = "ship" if report.length_m else "system"
-    lines += ["", f"{INDENT}The {what} is {report.stability}."]
-    if report.derivatives:
-        lines += ["", *_derivative_table(report)]
-    lines += ["", *_fit_lines(report)]
-    if report.runs:
-        lines += ["", *_run_table(report)]
-    if report.rivals:
-        lines += ["", *rival_table(report)]
-    if report.residuals:
-        lines += ["", *residual_table(report.residuals)]
-        lines += items(report.verdicts)
-    if report.check is not None:
-        lines += ["", *_check_lines(report.check, report.units)]
-    lines += _bend_lines(report)
-    if report.terms:
-        lines += ["", *_term_table(report)]
-    lines += [line for each in report.matrices for line in ("", *_matrix_lines(each))]
-    return "\n".join(lines)
+    blocks = [
+        [f"{INDENT}The record:", *items(report.findings)] if report.findings else [],
+        _parameter_table(report),
+        _ship_table(report),
+        [f"{INDENT}The {what} is {report.stability}."],
+        _derivative_table(report) if report.derivatives else [],
+        _fit_lines(report),
+        _run_table(report) if report.runs else [],
+        rival_table(report) if report.rivals else [],
+        [*residual_table(report.residuals), *items(report.verdicts)] if report.residuals else [],
+        _check_lines(report.check, report.units) if report.check else [],
+        _bend_lines(report.bend) if report.bend else [],
+        _term_table(report) if report.terms else [],
+        *map(_matrix_lines, report.matrices),
+    ]
+    return "\n".join([*lines, *(line for block in blocks if block for line in ("", *block))])
 
 
-def _bend_lines(report: Report) -> list[str]:
+def _bend_lines(bend: Bend) -> list[str]:
     """Return the kappa or H(r) of large manoeuvres, and the loop of an unstable ship."""
-    bend = report.bend
-    if bend is None:
-        return []
     told = dict(zip(("H1", "H2", "H3"), bend.ship.curve, strict=True)) | vars(bend.ship)
     rows = [
         (name, BEND_UNITS[name], f"{told[name]:.5g}", f"{deviation:.2g}")
@@ -81,9 +75,9 @@ def _bend_lines(report: Report) -> list[str]:
     ]
     of = "helm" if bend.rate_0 is None else "yaw rate"
     unit = "deg" if bend.rate_0 is None else "deg/s"
-    lines = ["", f"{INDENT}{cut(bend.source, 75)}", f"{INDENT}rms error of {of} ", ""]
-    lines[2] += f"{bend.rms / DEGREE:.4g} {unit}"
-    lines[3:] = table(("large\nmanoeuvres", "unit", "value", "std dev"), rows)
+    lines = [f"{INDENT}{cut(bend.source, 75)}"]
+    lines.append(f"{INDENT}rms error of {of} {bend.rms / DEGREE:.4g} {unit}")
+    lines += table(("large\nmanoeuvres", "unit", "value", "std dev"), rows)
     if bend.ship.loop is not None:
         rate, fold, helm = (value / DEGREE for value in bend.ship.loop)
         words = f"Loop: turns {rate:.3g} deg/s with no helm, to {fold:.3g} deg/s against {helm:.3g}"
@@ -95,18 +89,17 @@ def _term_table(report: Report) -> list[str]:
     """Return how large the terms of the equations of motion are."""
     rows, before = [], ""
     for one in report.terms:
-        first = "" if one.equation == before else one.equation
+        first, before = "" if one.equation == before else one.equation, one.equation
         sizes = (f"{one.rms:.3g}", f"{one.largest:.3g}", f"{100.0 * one.share:.0f}")
         rows.append((first, one.name, one.unit, *sizes))
-        before = one.equation
     heads = ("contributions\nto the", "by", "unit", "rms", "largest", "% of\nall rms")
     return table(heads, rows)
 
 
 def _matrix_lines(found: Matrices) -> list[str]:
     """Return the matrices row by row."""
-    lines = [f"{INDENT}{MATRICES}, {found.of}; states {', '.join(found.states)}, SI; outputs "]
-    lines[0] += ", ".join(found.outputs)
+    states, outputs = ", ".join(found.states), ", ".join(found.outputs)
+    lines = [f"{INDENT}{MATRICES}, {found.of}; states {states}, SI; outputs {outputs}"]
     for part in ("continuous", "sampled", "initial", "final"):
         lines.append(f"{INDENT}{part}:")
         for name, value in getattr(found, part).items():
@@ -115,14 +108,6 @@ def _matrix_lines(found: Matrices) -> list[str]:
                 numbers = " ".join(f"{x:11.4g}" for x in row)
                 lines.append(f"{2 * INDENT}{name if i == 0 else '':10}{numbers}")
     return lines
-
-
-def _ship(report: Report) -> str:
-    """Return length and speed, nothing of a user's own system."""
-    if report.length_m is None or report.speed_kn is None:
-        return ""
-    speed = "" if report.runs else f", {report.speed_kn:.2f} kn"
-    return f"{report.length_m:g} m{speed}; "
 
 
 def _run_table(report: Report) -> list[str]:
@@ -196,25 +181,24 @@ def _fit_lines(report: Report) -> list[str]:
         f"{INDENT}V1 {report.loss_1:.4f} one step ahead, {report.loss_1_alone:.4f} by rudder alone",
     ]
     if report.screened:
-        lines += wrap(_outliers(report), INDENT, 2 * INDENT)
+        several = bool(report.runs)
+        told = [
+            (f"run {one.run} " if several else "") + f"row {one.row} ({one.t_s:g} s)"
+            for one in report.screened[:SHOWN]
+        ]
+        more = len(report.screened) - len(told)
+        rest = f" and {more} more" if more else ""
+        verb = "was" if len(report.screened) == 1 else "were"
+        lines += wrap(
+            f"{len(report.screened)} {verb} rejected as outliers: {', '.join(told)}{rest}",
+            INDENT,
+            2 * INDENT,
+        )
     weakest = ", ".join(report.weakest)
     lines += wrap(
         f"Known least: {weakest} (scaled eigenvalue {report.eigenvalue:.2g})", INDENT, 2 * INDENT
     )
     return lines
-
-
-def _outliers(report: Report) -> str:
-    """Return which samples were rejected, the first of many."""
-    several = bool(report.runs)
-    told = [
-        (f"run {one.run} " if several else "") + f"row {one.row} ({one.t_s:g} s)"
-        for one in report.screened[:SHOWN]
-    ]
-    more = len(report.screened) - len(told)
-    rest = f" and {more} more" if more else ""
-    verb = "was" if len(report.screened) == 1 else "were"
-    return f"{len(report.screened)} {verb} rejected as outliers: {', '.join(told)}{rest}"
 
 
 def rival_table(report: Report) -> list[str]:
@@ -231,40 +215,22 @@ def rival_table(report: Report) -> list[str]:
 
 def residual_table(residuals: tuple[Residuals, ...]) -> list[str]:
     """Return the tests of residuals, each with the probability of so large a statistic."""
-    rows = [
-        (
-            one.output,
-            f"{one.whiteness.probability:.3f}",
-            f"{one.missing_dynamics.probability:.3f}",
-            f"{one.feedback.probability:.3f}",
-            f"{one.normality.probability:.3f}",
-            _sign_changes(one),
-        )
-        for one in residuals
-    ]
-    tests = ("white\np", "by rudder\np", "feedback\np", "normal\np", "sign\nchanges")
-    heads = ("residuals\nof", *tests)
-    return table(heads, rows)
-
-
-def _sign_changes(one: Residuals) -> str:
-    usual = f"{one.sign_changes_expected:.0f} +- {one.sign_changes_deviation:.0f}"
-    return f"{one.sign_changes} of {usual}"
+    rows = []
+    for one in residuals:
+        tests = one.whiteness, one.missing_dynamics, one.feedback, one.normality
+        usual = f"{one.sign_changes_expected:.0f} +- {one.sign_changes_deviation:.0f}"
+        probabilities = (f"{test.probability:.3f}" for test in tests)
+        rows.append((one.output, *probabilities, f"{one.sign_changes} of {usual}"))
+    heads = ("white\np", "by rudder\np", "feedback\np", "normal\np", "sign\nchanges")
+    return table(("residuals\nof", *heads), rows)
 
 
 def _check_lines(check: Check, units: tuple[str, ...]) -> list[str]:
     """Return how well another record is predicted."""
+    columns = check.outputs, units, check.rms, check.share, check.own, check.explained
     rows = [
         (name, unit, f"{rms:.4g}", *(f"{100.0 * one:.1f}" for one in shares))
-        for name, unit, rms, *shares in zip(
-            check.outputs,
-            units,
-            check.rms,
-            check.share,
-            check.own,
-            check.explained,
-            strict=True,
-        )
+        for name, unit, rms, *shares in zip(*columns, strict=True)
     ]
     shares = ("% of the\nmotion", "% where\nfitted", "% variance\nexplained")
     heads = ("predicted by\nrudder alone", "\nunit", "\nrms error", *shares)
@@ -278,7 +244,17 @@ def screens(identified: Identified) -> tuple[Screen, ...]:
     found: dict[str, Iterable[Panel]] = {"Record": _record(identified)}
     for number in range(1, len(identified.report.runs)):
         found[f"Run {number + 1}"] = _record(identified, number)
-    found["Residuals"] = _left(identified)
+    t, standard = identified.fitted.problem.samples.t, identified.run.standardised.T
+    found["Residuals"] = [
+        Panel(
+            f"residuals of {output}",
+            "time [s]",
+            "[std dev]",
+            (Curve("residual", t, left),),
+            levels=(-BAND, 0.0, BAND),
+        )
+        for output, left in zip(identified.report.outputs, standard, strict=True)
+    ]
     found["Correlations"] = correlation_panels(identified.report.residuals)
     for title, shape in asked:
         name = title.split()[0].capitalize()
@@ -296,10 +272,8 @@ def _record(identified: Identified, number: int = 0) -> Iterator[Panel]:
     predicted = alone(problem, fitted.found.theta[at])
     for name, values in zip(report.inputs, samples.inputs.T, strict=True):
         curve = (Curve(name, np.repeat(t, 2)[1:], np.repeat(values, 2)[:-1]),)  # held
-        if report.length_m:
-            yield Panel("rudder, positive to port", "time [s]", "[deg]", curve)
-        else:
-            yield Panel(name, "time [s]", "[-]", curve)
+        words = ("rudder, positive to port", "[deg]") if report.length_m else (name, "[-]")
+        yield Panel(words[0], "time [s]", words[1], curve)
     for i, output in enumerate(report.outputs):
         band = BAND * float(np.nanstd(run.errors[:, i]))
         curves = (
@@ -310,15 +284,6 @@ def _record(identified: Identified, number: int = 0) -> Iterator[Panel]:
             Curve("one step ahead, -95 %", t, run.predictions[:, i] - band),
         )
         yield Panel(output, "time [s]", f"[{report.units[i]}]", curves)
-
-
-def _left(identified: Identified) -> Iterator[Panel]:
-    """Yield the residuals of each output."""
-    t, standard = identified.fitted.problem.samples.t, identified.run.standardised
-    for i, output in enumerate(identified.report.outputs):
-        left = (Curve("residual", t, standard[:, i]),)
-        title = f"residuals of {output}"
-        yield Panel(title, "time [s]", "[std dev]", left, levels=(-BAND, 0.0, BAND))
 
 
 def _edges(band: Band, output: int) -> tuple[Curve, ...]:
@@ -423,16 +388,14 @@ def sheet(found: Identified) -> str:
 
 def _directions(directions: tuple[Direction, ...]) -> Markup:
     """Return the eigenvalues of the second derivatives and what each is made of."""
-    rows = [(f"{one.eigenvalue:.3g}", _parts(one.parts)) for one in directions]
+    rows = []
+    for one in directions:
+        order = sorted(one.parts.items(), key=lambda part: -abs(part[1]))
+        parts = ", ".join(f"{name} {value:+.2f}" for name, value in order)
+        rows.append((f"{one.eigenvalue:.3g}", parts))
     words = (
         "Eigenvalues of the second derivatives of -log L, scaled to a unit diagonal, smallest "
         "first. The record tells least of the combination of parameters beside a small one."
     )
     heads = ("eigenvalue", "parts of the unit vector")
     return html.paragraph(words) + html.table(heads, rows, "facts")
-
-
-def _parts(parts: dict[str, float]) -> str:
-    """Return a direction in words, its largest part first."""
-    order = sorted(parts.items(), key=lambda part: -abs(part[1]))
-    return ", ".join(f"{name} {value:+.2f}" for name, value in order)

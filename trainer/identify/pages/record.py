@@ -54,8 +54,7 @@ def carry_out(study: Study) -> tuple[Report, tuple[Screen, ...]]:
     """Return what a study's records hold, and their figures. ConfigError if one is unusable."""
     seen = [observe(one) for one in studies_of(study)]
     report = Report(study.heading.name, tuple(map(_run, seen)))
-    names = [one.record.source for one in seen]
-    groups = {name: _panels(one.record) for name, one in zip(names, seen, strict=True)}
+    groups = {one.record.source: _panels(one.record) for one in seen}
     return report, screens_of(groups)
 
 
@@ -69,7 +68,11 @@ def _columns(record: Record) -> Iterator[tuple[str, str, Numbers]]:
 
 
 def _run(seen: Observed) -> Run:
-    record = seen.record
+    record, channels = seen.record, []
+    for name, unit, values in _columns(record):
+        known = values[~np.isnan(values)]
+        sizes = (float(size(known)) for size in (np.mean, np.std, np.min, np.max))
+        channels.append(Channel(name, unit, len(known), len(values) - len(known), *sizes))
     return Run(
         source=record.source,
         samples=len(record.t),
@@ -77,15 +80,7 @@ def _run(seen: Observed) -> Run:
         begin_s=float(record.t[0]),
         end_s=float(record.t[-1]),
         findings=tuple(map(str, seen.findings)),
-        channels=tuple(_channel(*column) for column in _columns(record)),
-    )
-
-
-def _channel(name: str, unit: str, values: Numbers) -> Channel:
-    known = values[~np.isnan(values)]
-    sizes = (np.mean, np.std, np.min, np.max)
-    return Channel(
-        name, unit, len(known), len(values) - len(known), *(float(size(known)) for size in sizes)
+        channels=tuple(channels),
     )
 
 

@@ -1,7 +1,7 @@
 """The answer of ``trainer identify`` about a model, as records for every output."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -11,7 +11,6 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.minimise import Found
 from trainer.identify.fitting.nonlinear import Bend
 from trainer.identify.fitting.prediction_error import MultiStep, Shown, loss_1
 from trainer.identify.fitting.problem import Problem
@@ -24,7 +23,7 @@ from trainer.identify.judge.residuals import (
     examine_residuals,
     verdicts,
 )
-from trainer.identify.judge.rivals import Rival, rivals_of
+from trainer.identify.judge.rivals import Rival, against, without
 from trainer.identify.judge.uncertainty import intervals
 from trainer.identify.judge.validation import Check, alone, bend_of, check_of
 from trainer.identify.model.derived import DERIVATIVES, quantity_units
@@ -40,8 +39,7 @@ from trainer.identify.pages.series import (
     terms_of,
 )
 from trainer.identify.record.measurements import Record
-from trainer.identify.record.study import Observed, Study, observe, studies_of
-from trainer.identify.record.study_records import Ship
+from trainer.identify.record.study import Study, observe, studies_of
 from trainer.units import KNOT
 
 
@@ -186,43 +184,32 @@ def carry_out(
     if options.joint and [kind for kind, _ in bends] not in (["kappa"], ["bech"]):
         raise ConfigError("--joint goes with --kappa or --bech and its record")
     seen = [observe(one) for one in studies_of(study)]
-    findings = _findings(seen)
+    told = [(one.record.source, str(finding)) for one in seen for finding in one.findings]
+    findings = [f"{path}: {text.removeprefix(f'{Path(path).name}: ')}" for path, text in told]
+    record, *others = (one.record for one in seen)
     try:
-        fitted = _fit(study, [one.record for one in seen], options, heard)
+        if options.simulate:
+            fitted = simulate(study, record, others)
+        else:
+            kept = options.checkpoint
+            fitted = fit(study, record, lambda one: heard(one.steps, one.cost), kept, others)
     except ConfigError as error:  # what is odd about the record may be why
         raise ConfigError(*error.problems, *findings) from None
     odd = findings if len(seen) > 1 else [str(finding) for finding in seen[0].findings]
     found = describe(fitted, tuple(odd))
-    more: dict[str, Any] = {"rivals": rivals_of(fitted, options.against, options.without)}
+    rivals = [without(fitted, options.without)] if options.without else []
+    if options.against is not None:
+        rivals.append(against(fitted, options.against))
+    more: dict[str, Any] = {"rivals": tuple(rivals)}
     if options.check is not None:
         more["check"] = check_of(fitted, options.check)
     if options.matrices:
         more["matrices"] = matrices_of(fitted)
-    found = replace(found, report=replace(found.report, **more))
-    return bent(found, *bends[0], joint=options.joint) if bends else found
-
-
-def _findings(seen: Sequence[Observed]) -> list[str]:
-    """Return what is odd about records, and about which."""
-    told = [(one.record.source, str(finding)) for one in seen for finding in one.findings]
-    return [f"{path}: {text.removeprefix(f'{Path(path).name}: ')}" for path, text in told]
-
-
-def _fit(
-    study: Study,
-    records: Sequence[Record],
-    options: IdentifyOptions,
-    heard: Callable[[int, float], None],
-) -> Fitted:
-    """Return the fit that was asked for, or the model as it starts."""
-    record, *others = records
-    if options.simulate:
-        return simulate(study, record, others)
-
-    def told(found: Found) -> None:
-        heard(found.steps, found.cost)
-
-    return fit(study, record, told, options.checkpoint, others)
+    for kind, path in bends:  # one at most
+        more["bend"], turned = bend_of(fitted, path, kind, joint=options.joint)
+        terms = found.terms | bent_terms(more["bend"], turned)
+        more["terms"], found = sizes_of(terms), replace(found, terms=terms, turned=turned)
+    return replace(found, report=replace(found.report, **more))
 
 
 def describe(fitted: Fitted, findings: tuple[str, ...] = ()) -> Identified:
@@ -233,19 +220,12 @@ def describe(fitted: Fitted, findings: tuple[str, ...] = ()) -> Identified:
     return Identified(fitted, report, others, run, terms)
 
 
-def bent(found: Identified, kind: str, path: Path, *, joint: bool) -> Identified:
-    """Return what was identified with the kappa or the H(r) of another record."""
-    bend, record = bend_of(found.fitted, path, kind, joint=joint)
-    terms = found.terms | bent_terms(bend, record)
-    report = replace(found.report, bend=bend, terms=sizes_of(terms))
-    return replace(found, report=report, terms=terms, turned=record)
-
-
 def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: Shown) -> Report:
     """Return what a fit amounts to. ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
+    records = (fitted.record, *fitted.others)
     residuals, own = _residuals(fitted, run), plant.model.system
-    samples = problem.samples
+    samples, weakest = problem.samples, np.abs(fitted.known.directions[:, 0])
     return Report(
         study=study.heading.name,
         source=fitted.record.source,
@@ -267,14 +247,21 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: S
         loss_1=loss_1(run.errors[run.counted]),
         loss_1_alone=loss_1(samples.outputs - alone(problem, fitted.found.theta)),
         simulated=fitted.simulated,
-        screened=_outliers(fitted),
+        screened=tuple(
+            Outlier(number + 1, records[number].row(place), float(records[number].t[place]))
+            for number, place in fitted.rejected
+        ),
         parameters=_parameters(fitted),
         ship=_ship(fitted, others),
         monte_carlo=MonteCarlo(len(others.draws), others.paired),
         derivatives=_derivatives(fitted),
         stability=_stability(fitted),
         eigenvalue=float(fitted.known.eigenvalues[0]),
-        weakest=_weakest(fitted),
+        weakest=tuple(
+            name
+            for name, part in zip(fitted.known.names, weakest, strict=True)
+            if part > 0.3 * weakest.max()
+        ),
         eigenvalues=_directions(fitted),
         collapsed=problem.collapsed(fitted.found.theta),
         runs=_runs(fitted) if fitted.others else (),
@@ -283,15 +270,6 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: S
             *_doubts(fitted, others),
             *(text for one in residuals for text in verdicts(one)),
         ),
-    )
-
-
-def _outliers(fitted: Fitted) -> tuple[Outlier, ...]:
-    """Return the samples that were rejected."""
-    records = (fitted.record, *fitted.others)
-    return tuple(
-        Outlier(run + 1, records[run].row(place), float(records[run].t[place]))
-        for run, place in fitted.rejected
     )
 
 
@@ -341,9 +319,13 @@ def _ship(fitted: Fitted, others: Allowed) -> tuple[ShipNumber, ...]:
 
 def _derivatives(fitted: Fitted) -> tuple[Derivative, ...]:
     """Return the derivatives of Model 1 in both systems, theta'' = theta'/m' (3.6)."""
-    table, ship = fitted.study.model, fitted.study.ship
+    table, ship, mass = fitted.study.model, fitted.study.ship, None
     bis = table is not None and table.system == "bis"
-    mass = _mass(ship)
+    if ship is not None and ship.displacement_m3 is not None:  # m' = 2 volume/L^3 [-]
+        mass = 2.0 * ship.displacement_m3 / ship.length_m**3
+    elif ship is not None and ship.vessel is not None:
+        file = load_vessel(ship.vessel)
+        mass = 2.0 * file.hull.mass / (file.fluid.rho * ship.length_m**3)
     told = zip(fitted.quantity_names, fitted.told.values, fitted.told.deviations, strict=True)
     found = []
     for name, value, deviation in told:
@@ -354,16 +336,6 @@ def _derivatives(fitted: Fitted) -> tuple[Derivative, ...]:
         prime, both = (other, own) if bis else (own, other)
         found.append(Derivative(name, prime, both, _finite(deviation)))
     return tuple(found)
-
-
-def _mass(ship: Ship | None) -> float | None:
-    """Return m' = 2 volume/L^3 [-], by the study's displacement or the vessel file's mass."""
-    if ship is None or (ship.displacement_m3 is None and ship.vessel is None):
-        return None
-    if ship.displacement_m3 is not None:
-        return 2.0 * ship.displacement_m3 / ship.length_m**3
-    file = load_vessel(str(ship.vessel))
-    return 2.0 * file.hull.mass / (file.fluid.rho * ship.length_m**3)
 
 
 def _doubts(fitted: Fitted, others: Allowed) -> list[str]:
@@ -389,9 +361,8 @@ def _doubts(fitted: Fitted, others: Allowed) -> list[str]:
 
 def _stability(fitted: Fitted) -> str:
     """Return in words whether the ship keeps a straight course, and how surely."""
-    told = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
-    known = dict(zip(fitted.quantity_names, fitted.told.deviations, strict=True))
-    value, deviation = float(told["1/T1"]), float(known["1/T1"])
+    place = fitted.quantity_names.index("1/T1")
+    value, deviation = float(fitted.told.values[place]), float(fitted.told.deviations[place])
     word = "stable" if value > 0.0 else "unstable"
     if not math.isfinite(deviation) or deviation == 0.0:
         return f"{word}: 1/T1 = {value:.4g} 1/s"
@@ -410,15 +381,6 @@ def _directions(fitted: Fitted) -> tuple[Direction, ...]:
         parts = {name: part for name, part in named if abs(part) >= least}
         found.append(Direction(float(value), parts))
     return tuple(found)
-
-
-def _weakest(fitted: Fitted) -> tuple[str, ...]:
-    """Return the parameters of the direction that the record tells least of."""
-    direction = np.abs(fitted.known.directions[:, 0])
-    names = fitted.known.names
-    return tuple(
-        name for name, part in zip(names, direction, strict=True) if part > 0.3 * direction.max()
-    )
 
 
 def _residuals(fitted: Fitted, run: Shown) -> tuple[Residuals, ...]:

@@ -149,13 +149,8 @@ def series_of(fitted: Fitted, number: int = 0) -> dict[str, Numbers]:
     found = {"t_s": samples.t, **dict(inputs)}
     for i, output in enumerate(problem.plant.outputs):
         reading = samples.outputs[:, i]
-        columns = {
-            "measured": reading,
-            "model": model[:, i],
-            "error": reading - model[:, i],
-            "predicted": run.predictions[:, i],
-            "residual": run.errors[:, i],
-        }
+        columns = {"measured": reading, "model": model[:, i], "error": reading - model[:, i]}
+        columns |= {"predicted": run.predictions[:, i], "residual": run.errors[:, i]}
         unit = "" if own else "_" + UNITS[output][0].replace("/", "_")
         found |= {f"{output}_{name}{unit}": column for name, column in columns.items()}
     names = states_of(problem)
@@ -197,8 +192,8 @@ class Matrices:
 
 def matrices_of(fitted: Fitted) -> tuple[Matrices, ...]:
     """Return the matrices at the start values and at the estimate."""
-    vectors = ("start values", fitted.problem.start), ("estimate", fitted.found.theta)
-    return tuple(_matrices(fitted, name, theta) for name, theta in vectors)
+    starts = _matrices(fitted, "start values", fitted.problem.start)
+    return starts, _matrices(fitted, "estimate", fitted.found.theta)
 
 
 def _matrices(fitted: Fitted, name: str, theta: Numbers) -> Matrices:
@@ -253,10 +248,8 @@ def _final(fitted: Fitted, theta: Numbers) -> dict[str, Any]:
         gains = cost.gains(problem, problem.sampled(theta).as_complex())
         return {} if gains is None else {"K": gains[0].real.tolist()}
     mean, noise, start = problem.sampled(theta).at(0)
-    run, which = (
-        run_filter(problem, theta, no_limits(len(problem.plant.outputs))),
-        problem.samples.steps[1][-1],
-    )
+    run = run_filter(problem, theta, no_limits(len(problem.plant.outputs)))
+    which = problem.samples.steps[1][-1]
     n, W = len(start), mean[which][:, : len(start)]
     J = W @ run.covariances[-1] @ W.T + noise[which]
     there = n + np.flatnonzero(~np.isnan(problem.samples.outputs[-1]))

@@ -2,7 +2,6 @@
 
 import math
 import re
-from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -138,25 +137,19 @@ def rewritten(text: str, values: dict[str, float], remark: str) -> str:
 
     ConfigError if the file does not give one on a line of its own.
     """
+    rows = text.split("\n")
+    tables = [i for i, row in enumerate(rows) if row.lstrip().startswith("[")]
+    inside = [
+        i
+        for first, end in zip(tables, [*tables[1:], len(rows)], strict=True)
+        for i in range(first + 1, end)
+        if rows[first].lstrip().startswith("[coefficients")
+    ]
     for key, value in values.items():
         line = re.compile(rf"(\s*{re.escape(key)}\s*=\s*){NUMBER_PATTERN}.*")
-        rows = text.split("\n")
-        for i in _coefficient_rows(rows):
-            if found := line.fullmatch(rows[i]):
-                rows[i] = f"{found[1]}{value:.6g}  # {remark}"
-                break
-        else:
+        match = next(((i, one) for i in inside if (one := line.fullmatch(rows[i]))), None)
+        if match is None:
             told = f"the vessel file has no line {key} = ...: add one, such as {key} = 0"
             raise ConfigError(told)
-        text = "\n".join(rows)
-    return text
-
-
-def _coefficient_rows(rows: Sequence[str]) -> Iterator[int]:
-    """Yield the places of the lines inside the tables of coefficients."""
-    inside = False
-    for i, row in enumerate(rows):
-        if row.lstrip().startswith("["):
-            inside = row.lstrip().startswith("[coefficients")
-        elif inside:
-            yield i
+        rows[match[0]] = f"{match[1][1]}{value:.6g}  # {remark}"
+    return "\n".join(rows)

@@ -4,14 +4,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
 from trainer.config.nomoto import load_nomoto
 from trainer.config.vessel import VesselFile
 from trainer.identify.fitting.nonlinear import Bent
-from trainer.identify.model.nomoto import Levers, Nomoto
+from trainer.identify.model.nomoto import Nomoto
 from trainer.identify.model.steering import steering
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, cut, figure, table, wrap
@@ -22,14 +22,6 @@ CURVE: Final = 201  # points
 UNITS: Final = {"K": "1/s", "T1": "s", "T2": "s", "T3": "s", "K_v": "m/s", "T3v": "s"}
 
 LEVERS: Final = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")  # as a fit calls them
-
-
-class Loop(NamedTuple):
-    """The loop of an unstable ship's spiral, to either side (2.12)."""
-
-    rate_deg_s: float  # at zero helm
-    fold_rate_deg_s: float  # where the ship goes over to the other side
-    fold_helm_deg: float
 
 
 @dataclass(frozen=True)
@@ -43,7 +35,9 @@ class AtSpeed:
     neutral_deg: float  # residual helm
     stable: bool
     turns_deg_s: tuple[tuple[float, ...], ...]  # by HELMS, all rates that are steady
-    loop: Loop | None
+    # of an unstable ship's spiral, to either side (2.12): the rate [deg/s] at zero helm, and rate
+    # [deg/s] and helm [deg] where the ship goes over to the other side
+    loop: tuple[float, ...] | None
 
 
 @dataclass(frozen=True)
@@ -77,7 +71,9 @@ def of_nomoto(path: Path) -> Report:
     return Report(ship.name, ship.length_m, HELMS, (_at_speed(ship.speed_kn, form, bent),))
 
 
-def _at_speed(knots: float, form: Nomoto, bent: Bent, arms: Levers | None = None) -> AtSpeed:
+def _at_speed(
+    knots: float, form: Nomoto, bent: Bent, arms: tuple[float, ...] | None = None
+) -> AtSpeed:
     """Return how a ship of these numbers steers."""
     numbers = [form.K, form.T1.real, form.T2.real, form.T3, form.K_v, form.T3v]
     return AtSpeed(
@@ -90,7 +86,7 @@ def _at_speed(knots: float, form: Nomoto, bent: Bent, arms: Levers | None = None
         turns_deg_s=tuple(
             tuple(rate / DEGREE for rate in bent.rates(helm * DEGREE)) for helm in HELMS
         ),
-        loop=bent.loop and Loop(*(one / DEGREE for one in bent.loop)),
+        loop=bent.loop and tuple(one / DEGREE for one in bent.loop),
     )
 
 
@@ -101,19 +97,23 @@ def render(report: Report) -> str:
         f"{INDENT}{report.length_m:g} m; a positive rudder turns to port: K < 0 of a stable ship",
     ]
     for one in report.speeds:
-        lines += ["", f"{one.speed_kn:.4g} kn: {_stability(one)}", *_numbers(report, one)]
-        lines += ["", *_turns(report, one)]
+        word = "stable" if one.stable else "NOT STABLE"
+        margin = f", l_r - l_v = {one.levers_m['l_r - l_v']:.4g} m" if one.levers_m else ""
+        lines += ["", f"{one.speed_kn:.4g} kn: straight course {word}{margin}"]
+        lines += _numbers(report, one)
+        rows = [
+            (f"{helm:g}", "  ".join(f"{rate:+.4f}" for rate in rates))
+            for helm, rates in zip(report.helms_deg, one.turns_deg_s, strict=True)
+        ]
+        lines += ["", *table(("rudder\n[deg]", "steady yaw rates\n[deg/s]"), rows)]
         if one.loop is not None:
-            lines += _loop_lines(one.loop)
+            rate, fold_rate, fold = map(figure, one.loop)
+            lines += wrap(
+                f"- the spiral has a loop (2.12): amidships the ship turns at {rate} deg/s to "
+                f"either side; it goes over to the other beyond {fold} deg of opposite rudder, "
+                f"from {fold_rate} deg/s"
+            )
     return "\n".join(lines)
-
-
-def _stability(one: AtSpeed) -> str:
-    """Return in words whether the ship keeps a straight course, and by which margin."""
-    word = "stable" if one.stable else "NOT STABLE"
-    if one.levers_m is None:
-        return f"straight course {word}"
-    return f"straight course {word}, l_r - l_v = {one.levers_m['l_r - l_v']:.4g} m"
 
 
 def _numbers(report: Report, one: AtSpeed) -> list[str]:
@@ -136,35 +136,14 @@ def _numbers(report: Report, one: AtSpeed) -> list[str]:
     return table(("", "unit", "value", "prime"), rows)
 
 
-def _turns(report: Report, one: AtSpeed) -> list[str]:
-    """Return the rates of steady turns by helm, the loop's inner branch among them."""
-    rows = [
-        (f"{helm:g}", "  ".join(f"{rate:+.4f}" for rate in rates))
-        for helm, rates in zip(report.helms_deg, one.turns_deg_s, strict=True)
-    ]
-    return table(("rudder\n[deg]", "steady yaw rates\n[deg/s]"), rows)
-
-
-def _loop_lines(loop: Loop) -> list[str]:
-    """Return the loop in words."""
-    rate, fold_rate, fold = map(figure, loop)
-    return wrap(
-        f"- the spiral has a loop (2.12): amidships the ship turns at {rate} deg/s to either side; "
-        f"it goes over to the other beyond {fold} deg of opposite rudder, from {fold_rate} deg/s"
-    )
-
-
 def panels(report: Report) -> tuple[Panel, ...]:
     """Return yaw rate over rudder in steady turns, the loop with its inner branch."""
-    curves = tuple(_curve(one) for one in report.speeds)
-    rudder = "rudder, positive to port [deg]"
-    return (Panel("steady turns: the spiral", rudder, "yaw rate [deg/s]", curves, levels=(0.0,)),)
-
-
-def _curve(one: AtSpeed) -> Curve:
-    """Return the rudder (12.1) over all rates that up to the largest of HELMS makes."""
-    bent = Bent(math.nan, 0.0, 0.0, 0.0, delta_0=one.neutral_deg * DEGREE, H=one.helm)
-    most = max(abs(rate) for rates in one.turns_deg_s for rate in rates) * DEGREE
-    rates = np.linspace(-most, most, CURVE)
-    name = f"{one.speed_kn:.4g} kn"
-    return Curve(name, bent.helm(rates) / DEGREE, rates / DEGREE)
+    curves = []
+    for one in report.speeds:  # the rudder (12.1) over all rates that up to the largest helm makes
+        bent = Bent(math.nan, 0.0, 0.0, 0.0, delta_0=one.neutral_deg * DEGREE, H=one.helm)
+        most = max(abs(rate) for rates in one.turns_deg_s for rate in rates) * DEGREE
+        rates = np.linspace(-most, most, CURVE)
+        name = f"{one.speed_kn:.4g} kn"
+        curves.append(Curve(name, bent.helm(rates) / DEGREE, rates / DEGREE))
+    title, rudder = "steady turns: the spiral", "rudder, positive to port [deg]"
+    return (Panel(title, rudder, "yaw rate [deg/s]", tuple(curves), levels=(0.0,)),)

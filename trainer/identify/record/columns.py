@@ -104,7 +104,14 @@ class GuessedColumns:
 def guess_columns(table: Table, words: Words) -> GuessedColumns:
     """Return the likeliest columns of a file for the channels of ``words``."""
     named = _by_name(table, words)
-    named |= _clock(table, named)
+    heads = enumerate(zip(table.names, table.units, strict=True))
+    clocks = (  # by its unit or dates
+        name
+        for place, (name, unit) in heads
+        if name not in named.values() and (unit in units_of("t") or table.is_clock(place))
+    )
+    if "t" not in named and (clock := next(clocks, None)):
+        named["t"] = clock
     found = {channel: named[channel] for channel in words if channel in named}
     known: dict[str, str] = {}
     for channel, head in found.items():
@@ -135,16 +142,6 @@ def _by_name(table: Table, words: Words) -> dict[str, str]:
         if not all(channel in found for channel in pair):
             found = {channel: head for channel, head in found.items() if channel not in pair}
     return found
-
-
-def _clock(table: Table, found: Mapping[str, str]) -> dict[str, str]:
-    """Return the column of times by its unit or dates, where none has the name of one."""
-    if "t" in found:
-        return {}
-    for place, (name, unit) in enumerate(zip(table.names, table.units, strict=True)):
-        if name not in found.values() and (unit in units_of("t") or table.is_clock(place)):
-            return {"t": name}
-    return {}
 
 
 def _plain(name: str) -> tuple[str, str]:
@@ -179,8 +176,13 @@ def _unit(table: Table, channel: str, columns: Mapping[str, str], units: Mapping
     values = table.numbers(table.place(columns[channel]))
     if channel == "yaw_rate":
         return _rate_unit(table, values, columns, units)
-    if channel == "revolutions":
-        return _turning_unit(table, values, columns, units)
+    if channel == "revolutions":  # a ship's propeller turns more slowly than a model's
+        limit, _ = TURNS
+        if "speed" in units:
+            factor = units_of("speed")[units["speed"]]
+            speed = factor * np.abs(table.numbers(table.place(columns["speed"])))
+            limit = TURNS[float(np.nanmedian(speed)) < MODEL]
+        return "rpm" if float(np.nanmedian(np.abs(values))) > limit else "1/s"
     if channel in ALIKE and ALIKE[channel] in units:
         return units[ALIKE[channel]]
     limit, small, large = LIMITS.get(channel, (FAST, "m/s", "kn"))
@@ -202,15 +204,3 @@ def _rate_unit(
     if not (own > 0.0 and size > 0.0):
         return "deg/s"
     return min(known, key=lambda one: abs(math.log(own * known[one] / size)))
-
-
-def _turning_unit(
-    table: Table, values: Numbers, columns: Mapping[str, str], units: Mapping[str, str]
-) -> str:
-    """Return the unit of revolutions: a ship's propeller turns more slowly than a model's."""
-    limit, _ = TURNS
-    if "speed" in units:
-        factor = units_of("speed")[units["speed"]]
-        speed = factor * np.abs(table.numbers(table.place(columns["speed"])))
-        limit = TURNS[float(np.nanmedian(speed)) < MODEL]
-    return "rpm" if float(np.nanmedian(np.abs(values))) > limit else "1/s"

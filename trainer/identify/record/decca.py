@@ -1,4 +1,4 @@
-"""Decca lanes to positions: program DECCON, section 11 with equations 5.7-5.9 re-derived.
+"""Decca lanes to sway velocity: program DECCON, section 11 with equations 5.7-5.9 re-derived.
 
 The master station is at the origin, slaves at (u, v) [m] in a plane grid. A lane is counted from
 the master: L = (MS + MP - SP)/d, MS the base line, P the ship, d the lane's width on it.
@@ -7,32 +7,47 @@ the master: L = (MS + MP - SP)/d, MS the base line, P the ship, d the lane's wid
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import combinations
+from pathlib import Path
 from typing import Final, NamedTuple
 
-from trainer.config.files import ConfigError, quote
+import numpy as np
+
+from trainer.config.files import ConfigError, Place, collecting, parse_toml, quote, read_text
+from trainer.config.schema import (
+    Choice,
+    Quantity,
+    Rows,
+    Text,
+    above,
+    of,
+    optional,
+    tables_of,
+    within,
+)
+from trainer.config.tables import Table, read_table
+from trainer.core.kernel import Numbers
+from trainer.identify.record.sources import write_columns
+from trainer.identify.record.study import read_parts
+from trainer.identify.record.study_records import TURNING
+from trainer.identify.record.track import (
+    derivative,
+    drift_of,
+    even_interval,
+    smooth_spencer,
+    through_water,
+)
 
 LETTERS: Final = "ABCDEFGHIJ"
-
-
-class Zone(NamedTuple):
-    """The names of a colour's lanes: their number to a zone, the first number."""
-
-    lanes: int
-    first: int
-
-    @property
-    def cycle(self) -> int:
-        """Return after how many lanes the names come again."""
-        return self.lanes * len(LETTERS)
-
-
-ZONES: Final[Mapping[str, Zone]] = {
-    "red": Zone(24, 0),
-    "green": Zone(18, 30),
-    "purple": Zone(30, 50),
+ZONES: Final = {  # the lanes of a zone by their names, from the first to the last
+    "red": range(24),
+    "green": range(30, 48),
+    "purple": range(50, 80),
 }
+METRES: Final = within(-1e7, 1e7)
+PROPAGATION: Final = 299_700.0  # [km/s] usual of long waves over sea
+FEWEST_FIXES: Final = 5
 
 
 class Point(NamedTuple):
@@ -62,16 +77,15 @@ def lane_number(colour: str, text: str) -> float:
 
     ConfigError if it is none, or the zone of that colour has no such lane.
     """
-    found = re.fullmatch(r"\s*([A-Ja-j])\s*(\d+(?:\.\d*)?)\s*", text)
-    if found is None:
+    match = re.fullmatch(r"\s*([A-Ja-j])\s*(\d+(?:\.\d*)?)\s*", text)
+    if match is None:
         raise ConfigError(f"{colour} lane {quote(text)}: must be a zone A to J and a lane: D12.34")
-    zone, number = ZONES[colour], float(found[2])
-    if not zone.first <= number < zone.first + zone.lanes:
+    zone, number = ZONES[colour], float(match[2])
+    if not zone.start <= number < zone.stop:
         raise ConfigError(
-            f"{colour} lane {quote(text)}: zones of {colour} have lanes {zone.first} to "
-            f"{zone.first + zone.lanes - 1}"
+            f"{colour} lane {quote(text)}: zones of {colour} have lanes {zone[0]} to {zone[-1]}"
         )
-    return LETTERS.index(found[1].upper()) * zone.lanes + number - zone.first
+    return LETTERS.index(match[1].upper()) * len(zone) + number - zone.start
 
 
 def resolve_lane(colour: str, lane: float, expected: float) -> float:
@@ -79,15 +93,14 @@ def resolve_lane(colour: str, lane: float, expected: float) -> float:
 
     The names come again after ten zones.
     """
-    cycle = ZONES[colour].cycle
+    cycle = len(ZONES[colour]) * len(LETTERS)
     return lane + cycle * round((expected - lane) / cycle)
 
 
 def lane_at(slave: Slave, ship: Point) -> float:
     """Return the lane [lanes] that a receiver at ``ship`` shows (5.1)."""
-    to_master = math.hypot(*ship)
     to_slave = math.hypot(ship.x - slave.place.x, ship.y - slave.place.y)
-    return (slave.base + to_master - to_slave) / slave.width
+    return (slave.base + math.hypot(*ship) - to_slave) / slave.width
 
 
 def fixes(first: Slave, second: Slave, lanes: tuple[float, float]) -> tuple[Point, ...]:
@@ -104,25 +117,20 @@ def fixes(first: Slave, second: Slave, lanes: tuple[float, float]) -> tuple[Poin
     q1, q2 = 0.5 * (first.base**2 - P1**2), 0.5 * (second.base**2 - P2**2)
     bx, gx = (P1 * v2 - P2 * v1) / delta, (q1 * v2 - q2 * v1) / delta
     by, gy = (u1 * P2 - u2 * P1) / delta, (u1 * q2 - u2 * q1) / delta
-    ranges = _real_roots(bx * bx + by * by - 1.0, 2.0 * (bx * gx + by * gy), gx * gx + gy * gy)
-    slack = -1e-6 * max(first.base, second.base)
-    return tuple(
-        Point(bx * h + gx, by * h + gy)
-        for h in ranges
-        if h >= slack and h - P1 >= slack and h - P2 >= slack
-    )
-
-
-def _real_roots(a: float, b: float, c: float) -> tuple[float, ...]:
-    """Return the real roots of a x^2 + b x + c, without cancellation."""
+    a, b, c = bx * bx + by * by - 1.0, 2.0 * (bx * gx + by * gy), gx * gx + gy * gy
     inside = b * b - 4.0 * a * c
     if inside < 0.0:
         return ()
-    half = -0.5 * (b + math.copysign(math.sqrt(inside), b))
-    roots = [c / half] if half else [0.0]
+    half = -0.5 * (b + math.copysign(math.sqrt(inside), b))  # no root by cancellation
+    ranges = [c / half] if half else [0.0]
     if abs(a) > 1e-14 and half:
-        roots.append(half / a)
-    return tuple(dict.fromkeys(roots))
+        ranges.append(half / a)
+    slack = -1e-6 * max(first.base, second.base)
+    return tuple(
+        Point(bx * h + gx, by * h + gy)
+        for h in dict.fromkeys(ranges)
+        if h >= slack and h - P1 >= slack and h - P2 >= slack
+    )
 
 
 def sharpness(first: Slave, second: Slave, ship: Point) -> float:
@@ -130,52 +138,222 @@ def sharpness(first: Slave, second: Slave, ship: Point) -> float:
 
     The sine of the angle at which the lanes cross, times how narrow the lanes are there.
     """
-    one, two = _gradient(first, ship), _gradient(second, ship)
-    return abs(one.x * two.y - one.y * two.x)
-
-
-def _gradient(slave: Slave, ship: Point) -> Point:
-    """Return the gradient of h0 - hi [-] at a place."""
     own = math.hypot(*ship) or 1.0
-    aside = Point(ship.x - slave.place.x, ship.y - slave.place.y)
-    other = math.hypot(*aside) or 1.0
-    return Point(ship.x / own - aside.x / other, ship.y / own - aside.y / other)
+    gradients = []
+    for slave in (first, second):
+        x, y = ship.x - slave.place.x, ship.y - slave.place.y
+        other = math.hypot(x, y) or 1.0
+        gradients.append((ship.x / own - x / other, ship.y / own - y / other))
+    (x1, y1), (x2, y2) = gradients
+    return abs(x1 * y2 - y1 * x2)
 
 
-@dataclass(frozen=True)
-class Fix:
-    """A place found, and by which colours."""
+class Fix(NamedTuple):
+    """A place, and the two colours that cross there; none where they do not."""
 
     place: Point
-    colours: tuple[str, str]
+    colours: tuple[str, ...]
 
 
-def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -> list[Fix | None]:
-    """Return a fix for each set of lanes by colour, None where they give none.
+NO_FIX: Final = Fix(Point(math.nan, math.nan), ())
+
+
+def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -> list[Fix]:
+    """Return a fix for each set of lanes by colour, NO_FIX where they give none.
 
     Lanes are resolved by the place before, ``start`` at first; the two colours that cross best
     there are taken, and of two places the nearer one.
     """
-    found: list[Fix | None] = []
-    last = start
+    found, last = list[Fix](), start
     for reading in readings:
-        fix = _fix(chain, reading, last)
-        found.append(fix)
-        last = fix.place if fix else last
+        known = [colour for colour in chain if not math.isnan(reading.get(colour, math.nan))]
+        lanes = {c: resolve_lane(c, reading[c], lane_at(chain[c], last)) for c in known}
+        pairs = [(chain[a], chain[b], (a, b)) for a, b in combinations(known, 2)]
+        found.append(NO_FIX)
+        for one, two, colours in sorted(pairs, key=lambda pair: -sharpness(pair[0], pair[1], last)):
+            if places := fixes(one, two, (lanes[colours[0]], lanes[colours[1]])):
+                last = min(places, key=lambda at: math.dist(at, last))
+                found[-1] = Fix(last, colours)
+                break
     return found
 
 
-def _fix(chain: Chain, reading: Mapping[str, float], last: Point) -> Fix | None:
-    """Return the fix nearest to the place before; None if two colours lack or do not meet."""
-    known = [colour for colour in chain if not math.isnan(reading.get(colour, math.nan))]
-    lanes = {c: resolve_lane(c, reading[c], lane_at(chain[c], last)) for c in known}
-    pairs = sorted(
-        combinations(known, 2),
-        key=lambda pair: -sharpness(chain[pair[0]], chain[pair[1]], last),
+# A study in a file.
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heading:
+    """The run of a ship, and the lie of the grid."""
+
+    schema: str = of(Choice(("decca/1",), "form of the file"))
+    name: str = of(Text(79, "what was sailed"))
+    data: str = of(Text(200, "CSV file of lanes and heading, from this file's folder"))
+    start_east_m: float = of(Quantity("m", METRES, "place at the first row, from the master"))
+    start_north_m: float = of(Quantity("m", METRES, "likewise"))
+    convergence_deg: float | None = optional(
+        Quantity("deg", within(-180, 180), "true less grid heading; else 0")
     )
-    for one, two in pairs:
-        places = fixes(chain[one], chain[two], (lanes[one], lanes[two]))
-        if places:
-            nearest = min(places, key=lambda at: math.dist(at, last))
-            return Fix(nearest, (one, two))
-    return None
+    grid_scale: float | None = optional(
+        Quantity("-", within(0.5, 2), "grid distance over true distance; else 1")
+    )
+    current_east_kn: float | None = optional(Quantity("kn", within(-20, 20), "taken off; else 0"))
+    current_north_kn: float | None = optional(Quantity("kn", within(-20, 20), "likewise"))
+    positive_rudder: str | None = optional(TURNING)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlaveRow:
+    """One slave station."""
+
+    colour: str = of(Choice(tuple(ZONES), "of its lanes"))
+    east_m: float = of(Quantity("m", METRES, "place from the master, in the grid"))
+    north_m: float = of(Quantity("m", METRES, "likewise"))
+    lane_m: float | None = optional(Quantity("m", above(0, 1e5), "a lane on the base line"))
+    frequency_khz: float | None = optional(
+        Quantity("kHz", above(0, 1e4), "comparison frequency, instead of lane_m")
+    )
+    propagation_km_s: float | None = optional(
+        Quantity("km/s", within(2.9e5, 3e5), f"of the waves; else {PROPAGATION:g}")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnNames:
+    """Headings of the CSV file."""
+
+    t_s: str | None = optional(Text(80, "times [s]; else t"))
+    heading_deg: str | None = optional(Text(80, "true heading [deg]; else heading"))
+    yaw_rate_deg_s: str | None = optional(Text(80, "yaw rate; else from the heading"))
+    rudder_deg: str | None = optional(Text(80, "rudder, for the record written; else none"))
+    red: str | None = optional(Text(80, "red lanes, D12.34 or numbers; else red"))
+    green: str | None = optional(Text(80, "green lanes; else green"))
+    purple: str | None = optional(Text(80, "purple lanes; else purple"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShipTable:
+    """Where the antenna is."""
+
+    antenna_m: float = of(Quantity("m", within(-600, 600), "forward of the point wanted"))
+
+
+SLAVES: Final = Rows(SlaveRow, ("note",), 2, 3, "slave stations, below")
+TABLES: Final = {"columns": ColumnNames, "ship": ShipTable}
+KNOWN: Final = (*(item.name for item in fields(Heading)), "note", "slaves", *TABLES)
+
+
+def key_tables() -> str:
+    """Return the Markdown tables of every key, as docs/identification.md shows them."""
+    return tables_of({"": Heading, "[slaves]": SlaveRow, **TABLES})
+
+
+class DeccaFile(NamedTuple):
+    """Everything a Decca study says."""
+
+    path: Path
+    heading: Heading
+    chain: Chain
+    columns: ColumnNames
+    ship: ShipTable | None
+
+
+def load_decca(path: Path) -> DeccaFile:
+    """Return the study in a TOML file; ConfigError with all that is wrong."""
+    place = Place(path.name, "")
+    table = parse_toml(read_text(path), path.name)
+    parts, problems = read_parts(table, place, (Heading, KNOWN), TABLES)
+    chain: dict[str, Slave] = {}
+    with collecting(problems):
+        for i, row in enumerate(SLAVES.read("slaves", table.get("slaves", []), place)):
+            inside = place.inside(f"slaves[{i}]")
+            if row.colour in chain:
+                problems.append(inside.wrong("colour", row.colour, "is given twice"))
+            if (row.lane_m is None) == (row.frequency_khz is None):
+                problems.append(inside.problem("give one of lane_m, frequency_khz"))
+            width = row.lane_m or (row.propagation_km_s or PROPAGATION) / (row.frequency_khz or 1.0)
+            chain[row.colour] = Slave(Point(row.east_m, row.north_m), width)
+    if problems:
+        raise ConfigError(*problems)
+    columns = parts["columns"] or ColumnNames()
+    return DeccaFile(path, parts["heading"], chain, columns, parts["ship"])
+
+
+# The study carried out.
+
+
+@dataclass(frozen=True)
+class Sailed:
+    """The track and what was read off it, SI and radians. NaN where lanes or neighbours lack."""
+
+    source: str
+    t: Numbers
+    east: Numbers  # [m] of the antenna, in the grid
+    north: Numbers
+    heading: Numbers  # grid
+    yaw_rate: Numbers
+    sway: Numbers  # [m/s] through the water at the point wanted
+    ahead: Numbers  # [m/s] likewise
+    rudder: Numbers | None  # as read
+    colours: tuple[str, ...]  # that each fix is by, "" for none
+
+
+def sail(file: DeccaFile, *, smooth: bool) -> Sailed:
+    """Return the track and sway velocity of a study.
+
+    ConfigError naming row and column of what is wrong, or if too few rows have a fix, or times are
+    not even.
+    """
+    said, names, source = file.heading, file.columns, file.path.parent / file.heading.data
+    table = read_table(source)
+    t = table.known(table.place(names.t_s or "t"))
+    true = np.radians(table.known(table.place(names.heading_deg or "heading")))
+    lanes = {colour: _lanes(table, colour, getattr(names, colour)) for colour in file.chain}
+    own_rate, rudder = (
+        np.radians(table.known(table.place(name))) if name else None
+        for name in (names.yaw_rate_deg_s, names.rudder_deg)
+    )
+    interval = even_interval(t, str(source))
+    readings = [dict(zip(lanes, row, strict=True)) for row in zip(*lanes.values(), strict=True)]
+    found = track(file.chain, readings, Point(said.start_east_m, said.start_north_m))
+    if sum(fix is not NO_FIX for fix in found) < FEWEST_FIXES:
+        raise ConfigError(
+            f"{file.path.name}: fewer than {FEWEST_FIXES} rows give a fix; is the start right?"
+        )
+    east, north = np.array([fix.place for fix in found]).T
+    heading = np.unwrap(true) - math.radians(said.convergence_deg or 0.0)
+    rate = derivative(heading, interval) if own_rate is None else own_rate
+    scale = said.grid_scale or 1.0
+    x, y = (smooth_spencer(one) if smooth else one for one in (east / scale, north / scale))
+    drift = drift_of(
+        (said.current_east_kn, said.current_north_kn), file.ship.antenna_m if file.ship else None
+    )
+    ground = derivative(x, interval), derivative(y, interval)
+    ahead, sway = through_water(*ground, heading, rate, drift)
+    if rudder is not None and said.positive_rudder == "starboard":
+        rudder = -rudder
+    colours = tuple("+".join(fix.colours) for fix in found)
+    return Sailed(said.name, t, east, north, heading, rate, sway, ahead, rudder, colours)
+
+
+def _lanes(table: Table, colour: str, name: str | None) -> list[float]:
+    """Return the lanes that cells name or count, NaN of an empty one; ConfigError with the row."""
+    place, lanes = table.place(name or colour), []
+    for row, cells in enumerate(table.cells):
+        text = cells[place]
+        if text[:1].upper() not in tuple(LETTERS):
+            lanes.append(table.number(row, place, text))
+            continue
+        try:
+            lanes.append(lane_number(colour, text))
+        except ConfigError as wrong:
+            raise ConfigError(f"{table.path}: row {table.lines[row]}: {wrong}") from None
+    return lanes
+
+
+def write_track(sailed: Sailed, path: Path) -> None:
+    """Write the track as CSV, SI and radians, a missing value empty. ConfigError if it cannot."""
+    columns = {"t": sailed.t, "east": sailed.east, "north": sailed.north}
+    columns |= {"psi": sailed.heading, "r": sailed.yaw_rate, "v": sailed.sway, "u": sailed.ahead}
+    if sailed.rudder is not None:
+        columns["delta_r"] = sailed.rudder
+    write_columns(path, columns)

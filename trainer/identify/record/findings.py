@@ -68,7 +68,7 @@ def examine_columns(record: Record) -> list[Finding]:
         elif missing:
             found.append(missing)
         elif np.ptp(values) == 0.0:
-            found.append(Finding(name, 0, f"is {values[0]:g} in all rows"))
+            found.append(record.finding(name, f"is {values[0]:g} in all rows"))
     if problems:
         raise ConfigError(*problems)
     return found
@@ -78,7 +78,7 @@ def _missing(record: Record, name: str, values: Numbers) -> Finding | None:
     """Return how many values of a column are missing; None if none is."""
     missing = np.isnan(values)
     text = f"{np.count_nonzero(missing)} of {len(values)} values are missing, the first here"
-    return Finding(name, record.row(int(np.argmax(missing))), text) if missing.any() else None
+    return record.finding(name, text, np.argmax(missing)) if missing.any() else None
 
 
 def unwrap_heading(record: Record) -> Record:
@@ -90,17 +90,15 @@ def unwrap_heading(record: Record) -> Record:
 
 def _rudder_problems(record: Record) -> Iterator[Finding]:
     """Yield why the rudder cannot be an input."""
-    rudder, name = record.column("rudder"), record.name("rudder")
+    rudder = record.column("rudder")
     missing = np.isnan(rudder)
     if missing.any():
-        place = int(np.argmax(missing))
-        yield Finding(name, record.row(place), "the rudder must be known at each row; it is empty")
-        return
-    if float(np.std(rudder)) < STILL:
+        text = "the rudder must be known at each row; it is empty"
+        yield record.finding("rudder", text, np.argmax(missing))
+    elif float(np.std(rudder)) < STILL:
         held = math.degrees(float(np.mean(rudder)))
-        yield Finding(
-            name, 0, f"stands at {held:g} deg in all rows: nothing is learnt from a rudder at rest"
-        )
+        text = f"stands at {held:g} deg in all rows: nothing is learnt from a rudder at rest"
+        yield record.finding("rudder", text)
 
 
 def _unit_problems(record: Record) -> Iterator[Finding]:
@@ -109,14 +107,13 @@ def _unit_problems(record: Record) -> Iterator[Finding]:
         values = getattr(record, channel)
         if values is None or not (beyond := np.abs(np.nan_to_num(values)) > TURNED).any():
             continue
-        place = int(np.argmax(beyond))
-        yield Finding(
-            record.name(channel),
-            record.row(place),
-            f"{values[place]:g} rad{'/s' if channel == 'yaw_rate' else ''} cannot be; "
-            f'are these degrees? say unit = "deg{"/s" if channel == "yaw_rate" else ""}"',
-        )
-    slope = _rate_slope(record)
+        place, per = int(np.argmax(beyond)), "/s" if channel == "yaw_rate" else ""
+        text = f'rad{per} cannot be; are these degrees? say unit = "deg{per}"'
+        yield record.finding(channel, f"{values[place]:g} {text}", place)
+    if record.heading is None or record.yaw_rate is None:
+        return
+    turned = replace(record, yaw_rate=None).column("turning")[:-1]
+    slope = _gain(0.5 * (record.yaw_rate[1:] + record.yaw_rate[:-1]), turned)
     if slope is None:
         return
     texts = [text for factor, text in MISTAKEN if 0.7 < slope / factor < 1.4]
@@ -126,61 +123,41 @@ def _unit_problems(record: Record) -> Iterator[Finding]:
         yield Finding(columns, 0, f"the rate is {slope:.3g} of the heading's change: {told}")
 
 
-def _rate_slope(record: Record) -> float | None:
-    """Return the yaw rate over the rate of change of the heading [-]; None if that is not known."""
-    if record.heading is None or record.yaw_rate is None:
-        return None
-    turned = replace(record, yaw_rate=None).column("turning")[:-1]
-    return _gain(0.5 * (record.yaw_rate[1:] + record.yaw_rate[:-1]), turned)
-
-
 def _gain(y: Numbers, x: Numbers) -> float | None:
     """Return how many times ``x`` a series is; None if they have less than half in common."""
     good = ~np.isnan(y) & ~np.isnan(x)
     if np.count_nonzero(good) < FEWEST:
         return None
     y, x = y[good] - y[good].mean(), x[good] - x[good].mean()
-    if _correlation(x, y) ** 2 < 0.5:
+    size = math.sqrt(float(x @ x) * float(y @ y))
+    if (float(x @ y) / size if size > 0.0 else 0.0) ** 2 < 0.5:
         return None
     # both are noisy: the geometric mean of the two regressions favours neither
     return math.copysign(float(np.std(y) / np.std(x)), float(x @ y))
-
-
-def _correlation(a: Numbers, b: Numbers) -> float:
-    """Return the correlation of two series of zero mean [-]."""
-    size = math.sqrt(float(a @ a) * float(b @ b))
-    return float(a @ b) / size if size > 0.0 else 0.0
 
 
 def _intervals(record: Record) -> Iterator[Finding]:
     """Yield the gaps in time, and that the interval varies."""
     step, usual = np.diff(record.t), record.interval
     gaps = np.flatnonzero(step > GAP * usual)
-    name = record.name("t")
     if gaps.size:
         first = int(gaps[0])
         more = f"; {gaps.size - 1} more such gaps" if gaps.size > 1 else ""
-        yield Finding(
-            name,
-            record.row(first + 1),
-            f"{step[first]:g} s have passed, the interval is {usual:g} s{more}",
-        )
+        text = f"{step[first]:g} s have passed, the interval is {usual:g} s{more}"
+        yield record.finding("t", text, first + 1)
     others = np.abs(step / usual - np.maximum(np.round(step / usual), 1.0)) > EVEN
     if others.any():
         place = int(np.argmax(others))
         share = f"{np.count_nonzero(others)} of {step.size}"
-        yield Finding(
-            name,
-            record.row(place + 1),
-            f"{step[place]:g} s have passed, not {usual:g} s: the interval varies ({share})",
-        )
+        text = f"{step[place]:g} s have passed, not {usual:g} s: the interval varies ({share})"
+        yield record.finding("t", text, place + 1)
 
 
 def _missing_outputs(record: Record) -> Iterator[Finding]:
     """Yield which outputs have missing values."""
     for channel in OUTPUTS:
         values = getattr(record, channel)
-        if values is None or (found := _missing(record, record.name(channel), values)) is None:
+        if values is None or (found := _missing(record, channel, values)) is None:
             continue
         if np.isnan(values).all():
             raise ConfigError(f"{record.source}: {record.name(channel)}: has no value at all")
@@ -193,35 +170,25 @@ def _jumps(record: Record) -> Iterator[Finding]:
         return
     jumps = np.abs(np.diff(record.heading)) > HALF_TURN
     if jumps.any():
-        row = record.row(int(np.argmax(jumps)) + 1)
         text = f"jumps by more than half a turn ({np.count_nonzero(jumps)} times): unwrapped"
-        yield Finding(record.name("heading"), row, text)
+        yield record.finding("heading", text, np.argmax(jumps) + 1)
     largest = float(np.nanmax(np.abs(record.heading)))
     if largest > 100.0 * math.tau:
-        row = record.row(int(np.nanargmax(np.abs(record.heading))))
         text = f"{largest:g} rad is {largest / math.tau:.0f} turns: are these degrees?"
-        yield Finding(record.name("heading"), row, text)
+        yield record.finding("heading", text, np.nanargmax(np.abs(record.heading)))
 
 
 def _wrong_sign(record: Record) -> Iterator[Finding]:
     """Yield that the rudder turns the ship the other way than is said, or hardly turns at all."""
-    rudder = record.column("rudder")
-    name, largest = record.name("rudder"), float(np.max(np.abs(rudder)))
+    sizes = np.abs(record.column("rudder"))
+    largest, turning = float(np.max(sizes)), positive_turns(record)
     if largest < FAINT:
-        row = record.row(int(np.argmax(np.abs(rudder))))
-        yield Finding(
-            name,
-            row,
-            f'{math.degrees(largest):.2g} deg is the largest: is it radians? say unit = "rad"',
-        )
-    turning = positive_turns(record)
+        text = f'{math.degrees(largest):.2g} deg is the largest: is it radians? say unit = "rad"'
+        yield record.finding("rudder", text, np.argmax(sizes))
     if turning is not None and turning > 0.0:
-        yield Finding(
-            name,
-            0,
-            f"positive helm turns this ship to starboard ({turning:.0f} standard errors); "
-            'here it must turn to port: say positive_rudder = "starboard"',
-        )
+        text = f"positive helm turns this ship to starboard ({turning:.0f} standard errors); "
+        remedy = 'here it must turn to port: say positive_rudder = "starboard"'
+        yield record.finding("rudder", text + remedy)
 
 
 def positive_turns(record: Record) -> float | None:
@@ -236,17 +203,13 @@ def positive_turns(record: Record) -> float | None:
     good = ~np.isnan(rate[1:] + rate[:-1] + rudder[:-1])
     if np.count_nonzero(good) < FEWEST:
         return None
-    value, error = _slope(before[good], rate[1:][good], 1)
-    return value / error if abs(value) > SURE * error else None
-
-
-def _slope(regressors: Numbers, y: Numbers, place: int) -> tuple[float, float]:
-    """Return one coefficient of a linear regression and its standard error."""
+    regressors, y = before[good], rate[1:][good]
     found, *_ = np.linalg.lstsq(regressors, y, rcond=None)
-    left = y - regressors @ found
+    left, value = y - regressors @ found, float(found[1])
     variance = float(left @ left) / max(len(y) - regressors.shape[1], 1)
-    error = math.sqrt(variance * float(np.linalg.pinv(regressors.T @ regressors)[place, place]))
-    return float(found[place]), max(error, 1e-300)
+    error = math.sqrt(variance * float(np.linalg.pinv(regressors.T @ regressors)[1, 1]))
+    error = max(error, 1e-300)
+    return value / error if abs(value) > SURE * error else None
 
 
 def follows_motion(record: Record) -> float | None:
@@ -272,12 +235,9 @@ def _find_feedback(record: Record) -> Iterator[Finding]:
     """Yield that the rudder does nothing but follow the motion."""
     share = follows_motion(record) if len(record.t) >= FEWEST else None
     if share is not None and share > FOLLOWS:
-        yield Finding(
-            record.name("rudder"),
-            0,
-            f"{share:.1%} of it follows from heading and yaw rate: a closed loop without an "
-            "experiment; what is fitted may be the helmsman's law, not the ship",
-        )
+        text = f"{share:.1%} of it follows from heading and yaw rate: a closed loop without an "
+        doubt = "experiment; what is fitted may be the helmsman's law, not the ship"
+        yield record.finding("rudder", text + doubt)
 
 
 def _constant_outputs(record: Record) -> Iterator[Finding]:
@@ -285,7 +245,7 @@ def _constant_outputs(record: Record) -> Iterator[Finding]:
     for channel in OUTPUTS:
         values = getattr(record, channel)
         if values is not None and channel != "speed" and _is_constant(values):
-            yield Finding(record.name(channel), 0, "is the same in all rows: is it recorded?")
+            yield record.finding(channel, "is the same in all rows: is it recorded?")
 
 
 def _is_constant(values: Numbers) -> bool:
@@ -312,7 +272,7 @@ def _spikes(record: Record) -> Iterator[Finding]:
             more = f"; {found.size - 1} more" if found.size > 1 else ""
             text = f"stands out from its neighbours by {times:.0f} times the usual scatter{more}: "
             remedy = "an outlier? [model] reject = 1e-6 leaves such out"
-            yield Finding(record.name(channel), record.row(int(found[0])), text + remedy)
+            yield record.finding(channel, text + remedy, found[0])
 
 
 def _swing(record: Record) -> Iterator[Finding]:
@@ -325,13 +285,13 @@ def _swing(record: Record) -> Iterator[Finding]:
         jumps = np.abs(steps - turn) < 0.03 * turn
         if jumps.any() and np.max(steps, where=~jumps, initial=0.0) < 0.5 * turn:
             text = f"jumps by {turn:.4g} rad, which would be a turn: is it in {unit}?"
-            yield Finding(record.name("heading"), 0, f'{text} say unit = "{unit}"')
+            yield record.finding("heading", f'{text} say unit = "{unit}"')
             return
     share = float(np.nanstd(unwrapped(record.heading)) / np.std(record.column("rudder")))
     if not SWINGS[0] < share < SWINGS[1]:
         unit = "rad" if share < 1.0 else "deg"
         text = f"swings {share:.2g} times as far as {record.name('rudder')}: is it in {unit}?"
-        yield Finding(record.name("heading"), 0, f'{text} say unit = "{unit}"')
+        yield record.finding("heading", f'{text} say unit = "{unit}"')
 
 
 def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
@@ -348,7 +308,7 @@ def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
         if turned and not TURNS[0] < turned < TURNS[1]:
             text = f"turns the ship by {turned:.2g} of the rudder's angle in a ship length: "
             remedy = f"are it and {record.name('rudder')} in the units said?"
-            yield Finding(record.name("yaw_rate"), 0, text + remedy)
+            yield record.finding("yaw_rate", text + remedy)
     if rate is None:
         return
     if sway is not None and (gain := _gain(sway, rate)) is not None:
@@ -356,7 +316,7 @@ def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
         if not PIVOT[0] < ahead < PIVOT[1]:
             unit = SPEEDS[2 if ahead < 0.0 else 0 if ahead < PIVOT[0] else 1][1]
             text = f"would turn the ship about a point {ahead:.2g} lengths ahead of the middle"
-            yield Finding(record.name("sway"), 0, f"{text}: {unit}")
+            yield record.finding("sway", f"{text}: {unit}")
     bow, stern, apart = record.bow_sway, record.stern_sway, ship.bow_log_m
     if bow is not None and stern is not None and apart and ship.stern_log_m:
         gain = _gain(bow - stern, rate)

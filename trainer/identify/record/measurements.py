@@ -105,6 +105,10 @@ class Record:
         """Return the source's row of a sample, as people count."""
         return int(self.rows[place])
 
+    def finding(self, channel: str, text: str, place: int | np.integer | None = None) -> Finding:
+        """Return a finding about a channel: at the sample of a place, or all."""
+        return Finding(self.name(channel), 0 if place is None else self.row(int(place)), text)
+
     def part(self, places: Any) -> "Record":
         """Return the samples at ``places``, a slice or a mask."""
         columns = {

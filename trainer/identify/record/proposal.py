@@ -68,7 +68,16 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
     found = GuessedColumns(own_columns(), frozenset()) if own else _guessed(data)
     columns = found.columns
     record, sign = turned(load_record(data, columns))
-    record, remarks = _examined(record)
+    try:
+        record = with_sway(record, Drift(0.0, 0.0, 0.0))
+        remarks = tuple(map(str, examine(record)))
+    except ConfigError as wrong:
+        remarks = tuple(str(wrong).splitlines())
+    lacking = "fill in" if record.speed is None else "else the record's mean"
+    turning = [name for name in ("yaw_rate", "heading") if getattr(record, name) is not None]
+    kind, others = "nomoto1", "nomoto2 has three time constants; 1 fits sway too, with a vessel"
+    if not turning:
+        kind, others = "2", "sway alone"
     text = TEXT.format(
         record=data.name,
         path=as_typed(path),
@@ -80,8 +89,10 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
         interval="" if "t" in columns else "interval_s = 1  # guessed: there is no time\n",
         columns=SENSORS if own else columns_text(found),
         length=f"length_m = {length:g}" if length else "# length_m = 100  # fill in",
-        speed=_speed(record, speed),
-        **_model(record),
+        speed=f"speed_kn = {speed:g}" if speed else f"# speed_kn = 12  # {lacking}",
+        kind=kind,
+        others=others,
+        outputs=json.dumps(turning or ["sway"]),
     )
     write_once(path, text)
     return Proposal(text, len(record.t), record.interval, columns, remarks)
@@ -109,15 +120,6 @@ def turned(record: Record) -> tuple[Record, str]:
     return replace(record, rudder=-record.column("rudder")), line
 
 
-def _examined(record: Record) -> tuple[Record, tuple[str, ...]]:
-    """Return the record with the sway of its track, and what there is to say of it."""
-    try:
-        record = with_sway(record, Drift(0.0, 0.0, 0.0))
-        return record, tuple(map(str, examine(record)))
-    except ConfigError as wrong:
-        return record, tuple(str(wrong).splitlines())
-
-
 def quoted(text: str) -> str:
     """Return a text as TOML writes it."""
     return json.dumps(text, ensure_ascii=False)
@@ -130,21 +132,3 @@ def columns_text(found: GuessedColumns) -> str:
         f'unit = "{one.unit}"{"  # guessed" if channel in found.unsure else ""}\n\n'
         for channel, one in found.columns.items()
     )
-
-
-def _speed(record: Record, speed: float | None) -> str:
-    """Return the line of the ship's speed."""
-    if speed:
-        return f"speed_kn = {speed:g}"
-    if record.speed is not None:
-        return "# speed_kn = 12  # else the record's mean"
-    return "# speed_kn = 12  # fill in"
-
-
-def _model(record: Record) -> dict[str, str]:
-    """Return the model to begin with, and which others there are."""
-    turning = [name for name in ("yaw_rate", "heading") if getattr(record, name) is not None]
-    kind, others = "nomoto1", "nomoto2 has three time constants; 1 fits sway too, with a vessel"
-    if not turning:
-        kind, others = "2", "sway alone"
-    return {"kind": kind, "others": others, "outputs": json.dumps(turning or ["sway"])}

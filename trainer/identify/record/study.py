@@ -106,7 +106,8 @@ def parse_study(text: str, path: Path) -> Study:
     place = Place(path.name, "")
     table = parse_toml(text, path.name)
     parts, problems = read_parts(table, place, (Heading, KNOWN), OPTIONAL)
-    own_kind = as_kind(table.get("model")) == "own"
+    model = table.get("model")
+    own_kind = isinstance(model, Mapping) and model.get("kind") == "own"
     with collecting(problems):
         rows = COLUMNS.read("columns", table.get("columns", []), place)
         parts["columns"] = _columns(rows, place, steered=not own_kind)
@@ -121,13 +122,12 @@ def parse_study(text: str, path: Path) -> Study:
         raise ConfigError(*problems)
     study = Study(path=path, **parts)
     if not study.columns and not own_kind:
-        return replace(study, columns=_own(study, place))
+        if study.data.suffix != SUFFIX:
+            raise ConfigError(
+                place.problem("lacks [[columns]]: only a recording of the trainer needs none")
+            )
+        return replace(study, columns=own_columns())
     return study
-
-
-def as_kind(model: object) -> object:
-    """Return the kind that a table of a model says, None if it says none."""
-    return model.get("kind") if isinstance(model, Mapping) else None
 
 
 def read_parts(
@@ -225,15 +225,6 @@ def _model_problems(model: ModelTable, ship: Ship | None, place: Place) -> Itera
             yield place.inside("ship").problem(f"output {channel} needs {key}")
 
 
-def _own(study: Study, place: Place) -> dict[str, Column]:
-    """Return the columns of a recording of the trainer; ConfigError if the data are none."""
-    if study.data.suffix != SUFFIX:
-        raise ConfigError(
-            place.problem("lacks [[columns]]: only a recording of the trainer needs none")
-        )
-    return own_columns()
-
-
 @dataclass(frozen=True)
 class Observed:
     """A record made ready for a study, and what there is to say about it."""
@@ -245,10 +236,17 @@ class Observed:
 def observe(study: Study, loaded: Record | None = None) -> Observed:
     """Return the record of a study: signs and units as here, thinned, cut, examined.
 
-    The record is ``loaded``, or that of the study's file. ConfigError with what forbids its use.
+    The record is ``loaded``, or that of the study's file. ConfigError with what forbids its use, of
+    a plain file saying what to type.
     """
     heading = study.heading
-    record = loaded or _load(study)
+    try:
+        record = loaded or load_record(study.data, study.columns)
+    except NoColumnError as error:
+        if study.path != study.data:
+            raise
+        advice = f"trainer identify new {study.data} -o study.toml writes a study of its columns"
+        raise ConfigError(*error.problems, advice) from None
     if "t" not in study.columns:
         record = replace(record, t=record.t * (heading.interval_s or 1.0))
     if heading.positive_rudder == "starboard" and record.rudder is not None:
@@ -271,31 +269,21 @@ def observe(study: Study, loaded: Record | None = None) -> Observed:
     return Observed(record, tuple(findings))
 
 
-def _load(study: Study) -> Record:
-    """Return the record of a study's file; ConfigError, of a plain one saying what to type."""
-    try:
-        return load_record(study.data, study.columns)
-    except NoColumnError as error:
-        if study.path != study.data:
-            raise
-        advice = f"trainer identify new {study.data} -o study.toml writes a study of its columns"
-        raise ConfigError(*error.problems, advice) from None
-
-
 def studies_of(study: Study) -> tuple[Study, ...]:
-    """Return the study of each run alone, the first record's first."""
-    return (study, *(_study_of(study, number, row) for number, row in enumerate(study.runs, 1)))
+    """Return the study of each run alone, the first record's first.
 
-
-def _study_of(study: Study, number: int, row: RunRow) -> Study:
-    """Return the study of a further run; its instruments err on their own."""
-    ship, sensors = study.ship, study.sensors
-    if ship is not None and row.speed_kn is not None:
-        ship = replace(ship, speed_kn=row.speed_kn)
-    if sensors is not None:
-        sensors = replace(sensors, seed=(sensors.seed or 1) + number)
-    heading = replace(study.heading, data=row.data, from_s=row.from_s, to_s=row.to_s)
-    return replace(study, heading=heading, ship=ship, sensors=sensors, runs=())
+    The instruments of a further run err on their own.
+    """
+    found = [study]
+    for number, row in enumerate(study.runs, 1):
+        ship, sensors = study.ship, study.sensors
+        if ship is not None and row.speed_kn is not None:
+            ship = replace(ship, speed_kn=row.speed_kn)
+        if sensors is not None:
+            sensors = replace(sensors, seed=(sensors.seed or 1) + number)
+        heading = replace(study.heading, data=row.data, from_s=row.from_s, to_s=row.to_s)
+        found.append(replace(study, heading=heading, ship=ship, sensors=sensors, runs=()))
+    return tuple(found)
 
 
 def speed_of(study: Study, record: Record) -> float:

@@ -120,12 +120,8 @@ def with_sway(record: Record, drift: Drift) -> Record:
     rate = derivative(heading, interval) if own is None else own
     _, sway = through_water(east, north, heading, rate, drift)
     track = f"{record.name('latitude')} and {record.name('longitude')}"
-    told = Finding(
-        track,
-        0,
-        "sway is that of this track"
-        + (", over the ground" if not (drift.east or drift.north) else ""),
-    )
+    over = "" if drift.east or drift.north else ", over the ground"
+    told = Finding(track, 0, f"sway is that of this track{over}")
     names = {**record.names, "sway": f"sway of {track}"}
     if own is None:
         names["yaw_rate"] = f"yaw rate of {record.name('heading')}"

@@ -57,11 +57,6 @@ class Fit:
     others: tuple[float, ...]  # -log L where the other starts ended
 
     @property
-    def settled(self) -> bool:
-        """Return whether the best start settled."""
-        return self.found.settled
-
-    @property
     def deviations(self) -> Numbers:
         """Return the standard deviations."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
@@ -93,14 +88,6 @@ def problem_of(
     for j, name in enumerate(model.free):
         if name in prior and strength > 0.0:
             mean[j], width[j] = prior[name][0], prior[name][1] * strength
-    mean[p:], width[p : p + axes] = _first_noise(trials, model), WIDTH
-    unread = ~np.isfinite(np.vstack([trial.readings for trial in trials])).any(axis=0)
-    width[p + axes :][unread] = UNREAD
-    return Problem(model, constants, trials, mean, width, floors_of(trials))
-
-
-def _first_noise(trials: tuple[Trial, ...], model: Model) -> Numbers:
-    """Return the logarithms of disturbances and errors that a search begins with."""
     rows = np.vstack([trial.readings for trial in trials])
     seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
     spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1e-2 for i in range(len(seen))])
@@ -109,7 +96,10 @@ def _first_noise(trials: tuple[Trial, ...], model: Model) -> Numbers:
     moving = spread[[*model.driven]]
     if len(seen) > ROLL_RATE and not seen[ROLL_RATE]:
         moving[-1] = max(np.std(np.concatenate([_roll_rate(trial) for trial in trials])), 1e-9)
-    return np.log([*(QUIET[0] * moving / math.sqrt(10.0 * step)), *(QUIET[1] * spread)])
+    mean[p:] = np.log([*(QUIET[0] * moving / math.sqrt(10.0 * step)), *(QUIET[1] * spread)])
+    width[p : p + axes] = WIDTH
+    width[p + axes :][~seen] = UNREAD
+    return Problem(model, constants, trials, mean, width, floors_of(trials))
 
 
 def _roll_rate(trial: Trial) -> Numbers:

@@ -6,7 +6,7 @@ disturbance, two errors and two states more. Coefficients and noise are common t
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
@@ -71,14 +71,10 @@ class Problem:
         first = self.common + self.model.states * record
         return slice(first, first + self.model.states)
 
-    def values(self, a: Numbers, record: int) -> Numbers:
-        """Return what the kernels take for one record."""
-        whole = self.model.whole(self.coefficients(a))
-        return np.concatenate([whole, self.noise(a), a[self.first_places(record)]])
-
-    def system(self, a: Numbers, record: int) -> System:
-        """Return what the kernels take as a system for one record."""
-        return self.constants, self._terms, self.values(a, record), self._places, self.model.driven
+    def system(self, a: Numbers, first: Numbers) -> System:
+        """Return what the kernels take as a system that begins with the state ``first``."""
+        values = np.concatenate([self.model.whole(self.coefficients(a)), self.noise(a), first])
+        return self.constants, self._terms, values, self._places, self.model.driven
 
     def penalty(self, a: Numbers) -> float:
         """Return what the prior adds to -log L."""
@@ -90,10 +86,9 @@ class Problem:
         if not np.isfinite(a).all():
             return math.inf
         total = self.penalty(a)
-        for i, trial in enumerate(self.trials):
-            errors = np.empty((len(trial.table), self.model.states, 2))
-            total += filter_record(self.system(a, i), trial.table, errors, *NO_SLOPES)
-        return float(total)
+        for i in range(len(self.trials)):
+            total += self._filter(a, i, *NO_SLOPES)[0]
+        return total
 
     def slopes(self, a: Numbers) -> tuple[float, Numbers, Numbers]:
         """Return -log L, its gradient and the information, each with the prior."""
@@ -101,37 +96,35 @@ class Problem:
         information = np.zeros((self.size, self.size))
         gradient[: self.common] = (a[: self.common] - self.mean) / self.width**2
         np.fill_diagonal(information[: self.common, : self.common], self.width**-2.0)
+        count = self.common + self.model.states
         for i in range(len(self.trials)):
-            cost, own, known = self._record_slopes(a, i)
+            own, known = np.zeros(count), np.zeros((count, count))
+            total += self._filter(a, i, own, known)[0]
             places = np.r_[: self.common, self.first_places(i)]
-            total += cost
             gradient[places] += own
-            information[np.ix_(places, places)] += known
+            information[np.ix_(places, places)] += np.tril(known) + np.tril(known, -1).T
         return total, gradient, information
 
-    def _record_slopes(self, a: Numbers, record: int) -> tuple[float, Numbers, Numbers]:
-        """Return -log L, gradient and information of one record."""
-        count = self.common + self.model.states
-        gradient, known = np.zeros(count), np.zeros((count, count))
+    def _filter(self, a: Numbers, record: int, *slopes: Numbers) -> tuple[float, Numbers]:
+        """Return -log L and errors with their variances (n, states, 2) of one record.
+
+        ``slopes`` are where gradient and information (its lower half) are written.
+        """
         table = self.trials[record].table
         errors = np.empty((len(table), self.model.states, 2))
-        cost = filter_record(self.system(a, record), table, errors, gradient, known)
-        return float(cost), gradient, np.tril(known) + np.tril(known, -1).T
+        system = self.system(a, a[self.first_places(record)])
+        return float(filter_record(system, table, errors, *slopes)), errors
 
     def innovations(self, a: Numbers, record: int) -> Numbers:
         """Return the standardised innovations of a record, NaN where none was read."""
-        trial = self.trials[record]
-        errors = np.empty((len(trial.table), self.model.states, 2))
-        filter_record(self.system(a, record), trial.table, errors, *NO_SLOPES)
+        _, errors = self._filter(a, record, *NO_SLOPES)
         return np.asarray(errors[:, :, 0] / np.sqrt(errors[:, :, 1]))
 
     def sail(self, a: Numbers, trial: Trial) -> Numbers:
         """Return the states (rows, n) by inputs alone, NaN from where it is no ship."""
         states = self.model.states
-        values = np.concatenate([self.values(a, 0)[:-states], first_state(trial)])
-        system = self.constants, self._terms, values, self._places, self.model.driven
         out = np.full((len(trial.table), states), math.nan)
-        last = sail_record(system, trial.table, out)
+        last = sail_record(self.system(a, first_state(trial)), trial.table, out)
         out[last:] = math.nan
         return out
 
@@ -142,16 +135,6 @@ class Problem:
         with np.errstate(divide="ignore"):
             limits[self.common - self.model.states : self.common] = np.log(self.floors)
         return limits
-
-    def fixing(self, names: tuple[str, ...]) -> "Problem":
-        """Return the problem with some coefficients fixed, at nothing."""
-        kept = [name not in names for name in self.names]
-        return replace(
-            self,
-            model=self.model.without(names),
-            mean=self.mean[kept],
-            width=self.width[kept],
-        )
 
 
 FIRST_ROWS: Final = 11

@@ -7,32 +7,28 @@ from typing import Final
 
 import numpy as np
 
-from trainer.core.kernel import Numbers
 from trainer.identify import sheet as sheets
 from trainer.identify.ships.records import Trial
 from trainer.identify.ships.results import (
+    CAUSES,
     OUTPUTS,
     SCALES,
     SUSPECT,
     UNITS,
-    Coefficient,
     Identified,
     Report,
     Untold,
+    causes_of,
     residual_accelerations,
 )
 from trainer.report.plots import Curve, Panel, Screen
 from trainer.report.text import INDENT, cut, figure, items, table, wrap
 
 NOISE_UNITS: Final = {
-    "u": "m/s",
-    "v": "m/s",
-    "r": "rad/s",
-    "p": "rad/s",
-    "psi": "rad",
-    "phi": "rad",
+    **dict.fromkeys("uv", "m/s"),
+    **dict.fromkeys("rp", "rad/s"),
+    **dict.fromkeys(("psi", "phi"), "rad"),
 }
-CAUSES: Final = ("v'", "r'", "rudder")
 
 
 def render(report: Report) -> str:
@@ -48,20 +44,6 @@ def render(report: Report) -> str:
     if report.findings:
         lines += ["", f"{INDENT}The record:"]
         lines += items(report.findings)
-    lines += ["", *_coefficient_table(report), "", *_noise_table(report), "", *_fit_lines(report)]
-    lines += ["", *_untold_lines(report), "", *_prediction_table(report)]
-    lines += ["", *_whiteness_lines(report)]
-    lines += items(report.patterns)
-    for test in report.tests:
-        lines += wrap(
-            f"Without {', '.join(test.without)}: 2 log L falls by {test.statistic:.2f}, "
-            f"{test.freedom} of freedom, p {test.probability:.3f}"
-        )
-    return "\n".join(lines)
-
-
-def _coefficient_table(report: Report) -> list[str]:
-    """Return the coefficients with intervals and the prior's shares."""
     rows = [
         (
             one.name,
@@ -74,18 +56,25 @@ def _coefficient_table(report: Report) -> list[str]:
         for one in report.coefficients
     ]
     heads = ("coefficient", "estimate", "std dev", "95 %\nfrom", "\nto", "prior's\nshare")
-    return table(heads, rows)
+    lines += ["", *table(heads, rows), "", *_noise_table(report), "", *_fit_lines(report)]
+    lines += ["", *_untold_lines(report), "", *_prediction_table(report)]
+    lines += ["", *_whiteness_lines(report)]
+    lines += items(report.patterns)
+    for test in report.tests:
+        lines += wrap(
+            f"Without {', '.join(test.without)}: 2 log L falls by {test.statistic:.2f}, "
+            f"{test.freedom} of freedom, p {test.probability:.3f}"
+        )
+    return "\n".join(lines)
 
 
 def _noise_table(report: Report) -> list[str]:
     """Return disturbances and errors of readings."""
-
-    def row(one: Coefficient) -> tuple[str, ...]:
+    rows = []
+    for one in report.noises:
         _, kind, state = one.name.split("_")
         unit = NOISE_UNITS[state] + ("/rt(s)" if kind == "w" else "")
-        return (one.name, unit, *(f"{x:.3g}" for x in (one.value, one.low, one.high)))
-
-    rows = [row(one) for one in report.noises]
+        rows.append((one.name, unit, *(f"{x:.3g}" for x in (one.value, one.low, one.high))))
     return table(("disturbance, error", "unit", "estimate", "95 %\nfrom", "\nto"), rows)
 
 
@@ -157,13 +146,11 @@ def _whiteness_lines(report: Report) -> list[str]:
     ]
     heads = ("innovations\nof", "size, of\nexpected", "white\np", "to the\nnext", "factor")
     lines = table(heads, rows)
-    bad = [one for one in report.whiteness if one.probability < SUSPECT]
-    if bad:
-        factor = max(one.factor for one in bad)
+    if bad := [one for one in report.whiteness if one.probability < SUSPECT]:
         names = ", ".join(one.output for one in bad)
         lines += wrap(
             f"- innovations of {names} are not white: stated intervals are too narrow; take them "
-            f"times {max(factor, 1.0):.1f} at least"
+            f"times {max(one.factor for one in bad):.1f} at least"
         )
     return lines
 
@@ -205,14 +192,14 @@ def _record_panels(found: Identified, trial: Trial) -> Iterator[Panel]:
 def _residual_panels(found: Identified, cause: str) -> Iterator[Panel]:
     """Yield the accelerations left over against v', r' or the rudder."""
     problem, a = found.fit.problem, found.fit.found.a
-    length = float(problem.constants[0])
+    length, turn = float(problem.constants[0]), np.degrees if cause == "rudder" else np.asarray
     rows = [(trial, *residual_accelerations(problem, a, trial)) for trial in problem.trials]
     for i, state in enumerate(problem.model.driven):
         output = OUTPUTS[state]
         curves = tuple(
             Curve(
                 Path(trial.source).name,
-                _cause(cause, states, trial.inputs, length),
+                turn(causes_of(trial, states, length)[cause]),
                 left[:, i],
                 points=True,
             )
@@ -222,14 +209,6 @@ def _residual_panels(found: Identified, cause: str) -> Iterator[Panel]:
         label = f"{cause} [{'deg' if cause == 'rudder' else '-'}]"
         title = f"{output} acceleration left over, against {cause}"
         yield Panel(title, label, unit, curves, levels=(0.0,))
-
-
-def _cause(name: str, states: Numbers, inputs: Numbers, length: float) -> Numbers:
-    """Return v', r' or the rudder [deg]."""
-    if name == "rudder":
-        return np.degrees(inputs[:, 0])
-    size = np.hypot(states[:, 0], states[:, 1])
-    return np.asarray(states[:, 1] / size if name == "v'" else states[:, 2] * length / size)
 
 
 def coefficients_text(report: Report) -> str:

@@ -9,7 +9,6 @@ from trainer.config.files import ConfigError, write_once
 from trainer.config.tables import Table, read_table
 from trainer.identify.record.columns import SHIP_WORDS, GuessedColumns, guess_columns
 from trainer.identify.record.findings import examine
-from trainer.identify.record.measurements import Record
 from trainer.identify.record.proposal import Proposal, columns_text, quoted, turned
 from trainer.identify.record.sources import (
     FURTHER_CHANNELS,
@@ -69,18 +68,26 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
     if record.rudder is not None:
         record, sign = turned(record)
     lacking = _lacking(found.columns)
+    lines = []
+    if "t" not in found.columns:
+        lines.append("interval_s = 1  # guessed: there is no time\n")
+    if all(channel in found.columns for channel in GROUND) and "speed" not in found.columns:
+        lines.append(f'current = "none"{GUESSED}\n')
     text = TEXT.format(
         record=data.name,
         command=fitting(data, path),
         name=quoted(data.stem[:79]),
         length=f"length_m = {length:g}  #" if length else "# length_m = 320.0  # fill in:",
-        records=sign + _records(found.columns),
+        records=sign + "".join(lines),
         columns=("" if own else columns_text(found))
         + "".join(MISSING.format(channel=channel, why=why) for channel, why in lacking.items()),
     )
     write_once(path, text.rstrip() + "\n")
-    remarks = (*_remarks(record, found), *(f"no column for {channel} found" for channel in lacking))
-    return Proposal(text, len(record.t), record.interval, found.columns, remarks)
+    remarks = [str(one) for one in examine(record)]
+    if "wind_speed" in found.columns:
+        remarks.append(f"{found.columns['wind_speed'].name}: {WIND}")
+    remarks += [f"no column for {channel} found" for channel in lacking]
+    return Proposal(text, len(record.t), record.interval, found.columns, tuple(remarks))
 
 
 def _own(table: Table) -> GuessedColumns | None:
@@ -107,21 +114,3 @@ def _lacking(columns: Collection[str]) -> dict[str, str]:
     if "heading" not in columns and "yaw_rate" not in columns:
         needed["heading"] = "or the yaw rate, as yaw_rate"
     return {channel: why for channel, why in needed.items() if channel not in columns}
-
-
-def _records(columns: Collection[str]) -> str:
-    """Return the lines that say how the record is meant."""
-    lines = []
-    if "t" not in columns:
-        lines.append("interval_s = 1  # guessed: there is no time\n")
-    if all(channel in columns for channel in GROUND) and "speed" not in columns:
-        lines.append(f'current = "none"{GUESSED}\n')
-    return "".join(lines)
-
-
-def _remarks(record: Record, found: GuessedColumns) -> list[str]:
-    """Return what there is to say of a record and its columns."""
-    remarks = [str(one) for one in examine(record)]
-    if "wind_speed" in found.columns:
-        remarks.append(f"{found.columns['wind_speed'].name}: {WIND}")
-    return remarks

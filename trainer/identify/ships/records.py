@@ -24,6 +24,7 @@ from trainer.identify.record.sources import (
     own_columns,
     read_by,
 )
+from trainer.identify.record.track import along
 from trainer.io.paths import SUFFIX
 
 OF_ROLL: Final = ("roll_rate", "roll")  # readings, in the order of the filter
@@ -84,13 +85,30 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
     _check_sign(record)
     if ship.sensors is not None:
         record, further = _read_by(record, further, ship.sensors)
-    table = _table(record, further)
+    none = np.full(len(record.t), math.nan)
+    readings = [record.speed, record.sway, record.yaw_rate, record.heading]
+    calm = np.zeros(len(record.t))  # a relative wind that was not recorded is none
+    ahead, starboard = further.get("wind_ahead", calm), further.get("wind_starboard", calm)
+    if "wind_speed" in further and "wind_from" in further:
+        size, angle = further["wind_speed"], further["wind_from"]
+        ahead, starboard = size * np.cos(angle), size * np.sin(angle)
+    inputs = [-record.column("rudder"), further["revolutions"], ahead, starboard]
+    rolls = [further.get(name, none) for name in OF_ROLL] if "roll" in further else []
+    table = np.column_stack([*(none if one is None else one for one in readings), *inputs, *rolls])
     if ship.roll is not None:
         told = _check_roll(record, further["roll"], ship, ship.roll.gm_m, every)
         findings += [Finding(Path(record.source).name, 0, text) for text in told]
     _check_propeller(record, further["revolutions"], ship)
-    _check_inputs(record, further)
-    t, table = _averaged(record.t, table, every)
+    for channel, values in further.items():
+        missing = np.isnan(values)
+        if channel not in (*GROUND, *OF_ROLL) and missing.any():
+            row = record.row(int(np.argmax(missing)))
+            raise ConfigError(f"{record.source}: row {row}: {channel}: an input must be known")
+    t = record.t
+    if every > 1:  # rows are the means of as many around them
+        places = np.arange(every // 2, len(t) - every // 2, every)
+        around = places[:, None] + np.arange(every) - every // 2
+        t, table = t[places], table[around].mean(axis=1)
     if len(t) < SHORTEST:
         raise ConfigError(
             f"{record.source}: has {len(t)} samples of {every} rows; needs {SHORTEST} or more"
@@ -156,12 +174,8 @@ def _from_ground(record: Record, further: dict[str, Numbers], ship: ShipFile) ->
             f'come from the speed through the water: say current = "none" in [records] of '
             f"{ship.path.name} if the water stood still, or give the log as speed and sway"
         )
-    psi, north, east = record.column("heading"), further[GROUND[0]], further[GROUND[1]]
-    return replace(
-        record,
-        speed=north * np.cos(psi) + east * np.sin(psi),
-        sway=east * np.cos(psi) - north * np.sin(psi),
-    )
+    speed, sway = along(further[GROUND[1]], further[GROUND[0]], record.column("heading"))
+    return replace(record, speed=speed, sway=sway)
 
 
 def _check_needed(source: str, ship: ShipFile, found: Mapping[str, Numbers]) -> None:
@@ -197,12 +211,10 @@ def _check_sign(record: Record) -> None:
     good = np.isfinite(rate)
     together = float(np.corrcoef(rudder[good], change[good])[0, 1])
     if together > TURNS_RIGHT:
-        row = record.row(int(np.argmax(np.abs(rudder))))
-        raise ConfigError(
-            f"{record.source}: row {row}: {record.name('rudder')}: positive helm turns this ship "
-            f'to starboard (correlation {together:.2f}): say positive_rudder = "starboard" in '
-            "[records]"
-        )
+        text = f"positive helm turns this ship to starboard (correlation {together:.2f}): "
+        remedy = 'say positive_rudder = "starboard" in [records]'
+        what = record.finding("rudder", text + remedy, np.argmax(np.abs(rudder)))
+        raise ConfigError(f"{record.source}: {what}")
 
 
 def _check_propeller(record: Record, n: Numbers, ship: ShipFile) -> None:
@@ -222,15 +234,6 @@ def _check_propeller(record: Record, n: Numbers, ship: ShipFile) -> None:
         f"{ADVANCE[0]:g} to {ADVANCE[1]:g} are usual: is the diameter in feet, are revolutions "
         "per minute (rpm) or per second (1/s), is the speed in knots?"
     )
-
-
-def _check_inputs(record: Record, further: Mapping[str, Numbers]) -> None:
-    """Check that no input is missing anywhere; ConfigError with its first row."""
-    for channel, values in further.items():
-        missing = np.isnan(values)
-        if channel not in (*GROUND, *OF_ROLL) and missing.any():
-            row = record.row(int(np.argmax(missing)))
-            raise ConfigError(f"{record.source}: row {row}: {channel}: an input must be known")
 
 
 def _check_roll(
@@ -288,42 +291,13 @@ def _read_by(
     return replace(others, speed=record.speed + errors("sway", SPEED_STREAM)), further | rolls
 
 
-def _table(record: Record, further: Mapping[str, Numbers]) -> Numbers:
-    """Return readings and inputs (n, 8), the rudder positive to starboard; with roll (n, 10)."""
-    none = np.full(len(record.t), math.nan)
-    readings = [record.speed, record.sway, record.yaw_rate, record.heading]
-    ahead, starboard = _wind(further, len(record.t))
-    inputs = [-record.column("rudder"), further["revolutions"], ahead, starboard]
-    rolls = [further.get(name, none) for name in OF_ROLL] if "roll" in further else []
-    return np.column_stack([*(none if one is None else one for one in readings), *inputs, *rolls])
-
-
-def _wind(further: Mapping[str, Numbers], count: int) -> tuple[Numbers, Numbers]:
-    """Return the relative wind from ahead and from starboard [m/s], 0 where not recorded."""
-    if "wind_speed" in further and "wind_from" in further:
-        size, angle = further["wind_speed"], further["wind_from"]
-        return size * np.cos(angle), size * np.sin(angle)
-    calm = np.zeros(count)
-    return further.get("wind_ahead", calm), further.get("wind_starboard", calm)
-
-
-def _averaged(t: Numbers, table: Numbers, every: int) -> tuple[Numbers, Numbers]:
-    """Return every so many rows, each the mean of as many around it."""
-    if every == 1:
-        return t, table
-    places = np.arange(every // 2, len(t) - every // 2, every)
-    around = places[:, None] + np.arange(every) - every // 2
-    return t[places], np.asarray(table[around].mean(axis=1))
-
-
 def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
     """Return the table with seconds to the next row and their steps, then roll."""
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
     parts = np.maximum(np.ceil(gaps / (FINE * length / speed) - 1e-9), 1.0)
     parts = np.maximum(parts, np.ceil(gaps * math.sqrt(ship.stiffness) / SWING))
-    found = np.column_stack([table[:, :8], gaps, parts, table[:, 8:]])
-    return np.ascontiguousarray(found)
+    return np.ascontiguousarray(np.column_stack([table[:, :8], gaps, parts, table[:, 8:]]))
 
 
 def turned_ranges(trials: Sequence[Trial], length: float) -> dict[str, tuple[float, float]]:

@@ -8,13 +8,13 @@ from typing import Final
 
 import numpy as np
 
-from trainer.boat.ship.models import AXES, FIXED, NONLINEAR, Model, model_for
+from trainer.boat.ship.models import AXES, FIXED, NONLINEAR, model_for
 from trainer.config.files import ConfigError, nearest
 from trainer.config.ship import Result, ShipFile, load_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.judge.residuals import LAGS, correlation, portmanteau, ratio_test
 from trainer.identify.options import IdentifyOptions
-from trainer.identify.ships.fit import Fit, Found, fit, pose, search, smooth, terms_of, told_of_roll
+from trainer.identify.ships.fit import Fit, fit, pose, search, smooth, terms_of, told_of_roll
 from trainer.identify.ships.likelihood import Problem
 from trainer.identify.ships.priors import prior_of
 from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
@@ -29,6 +29,7 @@ SUSPECT: Final = 0.01
 OUTPUTS: Final = ("surge", "sway", "yaw rate", "heading", "roll rate", "roll")
 UNITS: Final = ("m/s", "m/s", "deg/s", "deg", "deg/s", "deg")
 SCALES: Final = np.array([1.0, 1.0, *[180.0 / math.pi] * 4])
+CAUSES: Final = ("v'", "r'", "rudder")
 SHARE_SEEN: Final = 0.2  # [-] of residual accelerations, from which a pattern is told
 DOUBTED: Final = 0.05  # [-] of a record's yaw acceleration that common coefficients leave: told,
 STRANGERS: Final = 0.3  # ... or refused: two ships. Other mirrors of one ship leave 0.015
@@ -199,14 +200,14 @@ def _strangers(problem: Problem, begin: Numbers) -> Iterator[str]:
         _, rates = smooth(trial, problem.constants[0])
         more = _left_in_yaw(problem, begin, trial) - _left_in_yaw(own, start, trial)
         share = more / max(float(np.var(rates[:, 2])), 1e-300)
+        told = (
+            f"{trial.source}: row 1 on: coefficients in common with the other records leave "
+            f"{share:.0%} more of its yaw acceleration than its own: is it of another ship, "
+            "loading, sign or unit? Fit ships one by one, each with its own file"
+        )
+        if share > STRANGERS:
+            raise ConfigError(told)
         if share > DOUBTED:
-            told = (
-                f"{trial.source}: row 1 on: coefficients in common with the other records leave "
-                f"{share:.0%} more of its yaw acceleration than its own: is it of another ship, "
-                "loading, sign or unit? Fit ships one by one, each with its own file"
-            )
-            if share > STRANGERS:
-                raise ConfigError(told)
             yield told
 
 
@@ -232,26 +233,20 @@ def explained(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
     with np.errstate(all="ignore"):
         error = y - predicted
         known = np.isfinite(y).any(axis=0)
-        lost = np.isnan(predicted).any()
         square = np.where(known, np.nanmean(np.where(known, error, 0.0) ** 2, axis=0), math.nan)
         spread = np.where(known, np.nanvar(np.where(known, y, 0.0), axis=0), math.nan)
-    share = (
-        np.full(y.shape[1], math.nan)
-        if lost
-        else 100.0 * (1.0 - square / np.maximum(spread, 1e-300))
-    )
-    return share, np.sqrt(square) * SCALES[: y.shape[1]]
+    share = 100.0 * (1.0 - square / np.maximum(spread, 1e-300))
+    rms = np.sqrt(square) * SCALES[: y.shape[1]]
+    return np.full_like(share, math.nan) if np.isnan(predicted).any() else share, rms
 
 
 def predict(problem: Problem, a: Numbers, trial: Trial, kind: str) -> Prediction:
-    """Return how well a record is predicted by its inputs alone."""
-    share, rms = explained(trial.readings, problem.sail(a, trial))
-    return Prediction(trial.source, kind, _known(share), _known(rms))
-
-
-def _known(values: Numbers) -> tuple[float | None, ...]:
-    """Return numbers, None for those that are none."""
-    return tuple(float(x) if math.isfinite(x) else None for x in values)
+    """Return how well inputs alone predict a record; None is no number."""
+    share, rms = (
+        tuple(float(x) if math.isfinite(x) else None for x in values)
+        for values in explained(trial.readings, problem.sail(a, trial))
+    )
+    return Prediction(trial.source, kind, share, rms)
 
 
 def _predictions(fitted: Fit, held: tuple[Trial, ...]) -> tuple[Prediction, ...]:
@@ -260,19 +255,13 @@ def _predictions(fitted: Fit, held: tuple[Trial, ...]) -> tuple[Prediction, ...]
     found = [predict(problem, fitted.found.a, trial, "fitted") for trial in trials]
     if len(trials) > 1:
         for i, trial in enumerate(trials):
-            rest, end = _without_record(fitted, i)
+            places = [place for place in range(len(trials)) if place != i]
+            rest = replace(problem, trials=tuple(trials[place] for place in places))
+            firsts = [fitted.found.a[problem.first_places(place)] for place in places]
+            begin = np.concatenate([fitted.found.a[: problem.common], *firsts])
+            end = search(rest, begin, lambda *_: None)  # from the fit with all
             found.append(predict(rest, end.a, trial, "held back in turn"))
     return (*found, *(predict(problem, fitted.found.a, trial, "held back") for trial in held))
-
-
-def _without_record(fitted: Fit, left_out: int) -> tuple[Problem, Found]:
-    """Return the fit without one record, searched from that with all."""
-    problem = fitted.problem
-    kept = [i for i in range(len(problem.trials)) if i != left_out]
-    rest = replace(problem, trials=tuple(problem.trials[i] for i in kept))
-    firsts = [fitted.found.a[problem.first_places(i)] for i in kept]
-    begin = np.concatenate([fitted.found.a[: problem.common], *firsts])
-    return rest, search(rest, begin, lambda *_: None)
 
 
 def coefficients_of(fitted: Fit) -> tuple[Coefficient, ...]:
@@ -296,35 +285,27 @@ def untold(fitted: Fit) -> tuple[Untold, ...]:
     p = len(problem.model.free)
     if not np.isfinite(fitted.information).all():
         return ()
-    H = _marginal(fitted.information, p)
+    known = fitted.information
+    B, D = known[:p, p:], known[p:, p:]
+    width = 1.0 / np.sqrt(np.maximum(np.diag(D), 1e-300))
+    scaled = width[:, None] * np.linalg.pinv(D * np.outer(width, width), rcond=1e-12) * width
+    H = known[:p, :p] - B @ scaled @ B.T  # the first states being unknown
     unit = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
     sizes, vectors = np.linalg.eigh(H * np.outer(unit, unit))
     found = []
     for size, vector in zip(sizes[:MOST_DIRECTIONS], vectors.T, strict=False):
         if size < FAINT:
             turned = vector * np.sign(vector[int(np.argmax(np.abs(vector)))])
-            parts = {
-                name: float(x)
-                for name, x in zip(problem.model.free, turned, strict=True)
-                if abs(x) > PART
-            }
+            named = zip(problem.model.free, map(float, turned), strict=True)
+            parts = {name: x for name, x in named if abs(x) > PART}
             found.append(Untold(float(max(size, 0.0)), parts))
     return tuple(found)
 
 
-def _marginal(H: Numbers, kept: int) -> Numbers:
-    """Return the information of the first parameters, the others being unknown."""
-    A, B, D = H[:kept, :kept], H[:kept, kept:], H[kept:, kept:]
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(D), 1e-300))
-    scaled = unit[:, None] * np.linalg.pinv(D * np.outer(unit, unit), rcond=1e-12) * unit
-    return np.asarray(A - B @ scaled @ B.T)
-
-
 def _whiteness(fitted: Fit) -> tuple[Whiteness, ...]:
     """Return the tests of the innovations of all records, those of one after another's."""
-    rows = [
-        fitted.problem.innovations(fitted.found.a, i) for i in range(len(fitted.problem.trials))
-    ]
+    problem = fitted.problem
+    rows = [problem.innovations(fitted.found.a, i) for i in range(len(problem.trials))]
     gap = np.full((LAGS, rows[0].shape[1]), math.nan)
     joined = np.vstack([part for each in rows for part in (each, gap)])
     found = []
@@ -336,35 +317,35 @@ def _whiteness(fitted: Fit) -> tuple[Whiteness, ...]:
         test = portmanteau(own, count, LAGS)
         longer = 1.0 + 2.0 * float(np.sum(own[1:])) if test.probability < SUSPECT else 1.0
         deviation = float(np.sqrt(np.nanmean(values**2)))
-        factor = deviation * math.sqrt(max(longer, 1.0))
-        found.append(
-            Whiteness(output, deviation, test.probability, float(own[1]), max(factor, 1.0))
-        )
+        factor = max(deviation * math.sqrt(max(longer, 1.0)), 1.0)
+        found.append(Whiteness(output, deviation, test.probability, float(own[1]), factor))
     return tuple(found)
 
 
-def _patterns(fitted: Fit) -> tuple[str, ...]:
-    """Return in words where residual accelerations follow v', r' or the rudder."""
-    problem, texts = fitted.problem, []
-    rows = [residual_accelerations(problem, fitted.found.a, trial) for trial in problem.trials]
-    states = np.vstack([one for one, _ in rows])
-    left = np.vstack([one for _, one in rows])
+def causes_of(trial: Trial, states: Numbers, length: float) -> dict[str, Numbers]:
+    """Return v', r' and the rudder [rad] of a record with smoothed ``states``, by CAUSES."""
     size = np.hypot(states[:, 0], states[:, 1])
-    causes = {
-        "v'": states[:, 1] / size,
-        "r'": states[:, 2] * problem.constants[0] / size,
-        "rudder": np.concatenate([trial.inputs[:, 0] for trial in problem.trials]),
-    }
+    causes = states[:, 1] / size, states[:, 2] * length / size, trial.inputs[:, 0]
+    return dict(zip(CAUSES, causes, strict=True))
+
+
+def _patterns(fitted: Fit) -> Iterator[str]:
+    """Yield in words where residual accelerations follow v', r' or the rudder."""
+    problem, length = fitted.problem, float(fitted.problem.constants[0])
+    rows = [residual_accelerations(problem, fitted.found.a, trial) for trial in problem.trials]
+    left = np.vstack([one for _, one in rows])
+    causes = [
+        causes_of(trial, states, length)
+        for trial, (states, _) in zip(problem.trials, rows, strict=True)
+    ]
     for i, state in enumerate(problem.model.driven):
-        output = OUTPUTS[state]
-        for name, cause in causes.items():
-            share = _explained_by(cause, left[:, i])
+        for name in CAUSES:
+            share = _explained_by(np.concatenate([one[name] for one in causes]), left[:, i])
             if share > SHARE_SEEN:
-                texts.append(
-                    f"{output}: {share:.0%} of the acceleration left over follows {name} "
+                yield (
+                    f"{OUTPUTS[state]}: {share:.0%} of the acceleration left over follows {name} "
                     "(a cubic): a term may be missing"
                 )
-    return tuple(texts)
 
 
 def _explained_by(cause: Numbers, values: Numbers) -> float:
@@ -389,29 +370,28 @@ def _test_without(fitted: Fit, names: tuple[str, ...]) -> OrderTest:
             raise ConfigError(
                 f"--without {name}: it cannot be nothing; it is {FIXED[name]:g} in books"
             )
-    small = problem.fixing(names)
-    kept = [name not in names for name in problem.names] + [True] * (problem.size - problem.common)
-    end = search(small, fitted.found.a[kept], lambda *_: None)
-    counts = small.size, problem.size
-    test = ratio_test((-end.cost, counts[0]), (-fitted.found.cost, counts[1]))
-    return OrderTest(names, test.statistic, test.freedom[0], test.probability)
+    kept = np.array([name not in names for name in problem.names])
+    small = replace(
+        problem,
+        model=problem.model.without(names),
+        mean=problem.mean[kept],
+        width=problem.width[kept],
+    )
+    firsts = fitted.found.a[problem.common :]
+    begin = np.concatenate([fitted.found.a[: problem.common][kept], firsts])
+    end = search(small, begin, lambda *_: None)
+    test = ratio_test((-end.cost, small.size), (-fitted.found.cost, problem.size))
+    return OrderTest(names, test.statistic, test.freedom, test.probability)
 
 
 def _doubt(fitted: Fit) -> str:
     """Return why a fit did not settle, "" if it did."""
     promise = fitted.found.promise
-    if fitted.settled:
+    if fitted.found.settled:
         return ""
     if not math.isfinite(promise):
         return "where the search ended the likelihood has no slope: nothing is known of intervals"
     return f"a further step promises {promise:.2g}: intervals do not hold"
-
-
-def _held(model: Model) -> Iterator[str]:
-    """Yield which coefficients are held at what the ship's file gives."""
-    if model.held:
-        told = ", ".join(f"{name} {value:.4g}" for name, value in model.held.items())
-        yield f"held, by the ship's file: {told}"
 
 
 def _report(
@@ -420,9 +400,10 @@ def _report(
     """Return all that there is to say."""
     problem, trials = fitted.problem, fitted.problem.trials
     told = coefficients_of(fitted)
-    p = len(problem.model.free)
+    p, common = len(problem.model.free), problem.common
     steps = np.concatenate([np.diff(trial.t) for trial in trials])
     length = float(problem.constants[0])
+    held_at = ", ".join(f"{name} {value:.4g}" for name, value in problem.model.held.items())
     return Report(
         ship=ship.name,
         model=problem.model.name,
@@ -432,8 +413,12 @@ def _report(
         length_m=length,
         prior=prior[0],
         prior_strength=prior[1],
-        findings=(*notes_of(trials), *_held(problem.model), *told_of_roll(fitted)),
-        settled=fitted.settled,
+        findings=(
+            *notes_of(trials),
+            *([f"held, by the ship's file: {held_at}"] if held_at else []),
+            *told_of_roll(fitted),
+        ),
+        settled=fitted.found.settled,
         doubt=_doubt(fitted),
         steps=fitted.found.steps,
         promise=fitted.found.promise,
@@ -450,23 +435,18 @@ def _report(
         untold=untold(fitted),
         whiteness=_whiteness(fitted),
         predictions=_predictions(fitted, held),
-        patterns=_patterns(fitted),
+        patterns=tuple(_patterns(fitted)),
         ranges=turned_ranges(trials, length),
         tests=(),
         covariance_names=problem.names,
-        covariance=tuple(
-            tuple(map(float, row[: problem.common])) for row in fitted.covariance[: problem.common]
-        ),
+        covariance=tuple(map(tuple, fitted.covariance[:common, :common].tolist())),
     )
 
 
 def _result(ship: ShipFile, fitted: Fit, report: Report) -> ShipFile:
     """Return the ship's file with the result, which sails."""
     problem = fitted.problem
-    names = problem.model.names
-    whole = dict(
-        zip(names, map(float, problem.model.whole(problem.coefficients(fitted.a))), strict=True)
-    )
+    whole = map(float, problem.model.whole(problem.coefficients(fitted.a)))
     rows = np.vstack([trial.table for trial in problem.trials])
     p = len(problem.model.free)
     result = Result(
@@ -478,7 +458,7 @@ def _result(ship: ShipFile, fitted: Fit, report: Report) -> ShipFile:
         ship,
         sensors=None,
         result=result,
-        coefficients=whole,
+        coefficients=dict(zip(problem.model.names, whole, strict=True)),
         covariance=tuple(map(tuple, fitted.covariance[:p, :p].tolist())),
         uncertain=problem.model.free,
         ranges=report.ranges,

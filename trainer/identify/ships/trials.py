@@ -15,7 +15,7 @@ from trainer.config.files import ConfigError
 from trainer.config.sensors import Sensors
 from trainer.config.ship import ShipFile
 from trainer.core.kernel import Numbers
-from trainer.identify.experiment import TAPS, prbs
+from trainer.identify.experiment import TAPS, HelmOptions, prbs
 from trainer.identify.ships.fit import Fit, expect, problem_of
 from trainer.identify.ships.page import in_words
 from trainer.identify.ships.priors import GYRATION, prior_of
@@ -82,10 +82,8 @@ class Helm:
         """Return the helm in words."""
         if self.zigzag_deg:
             return "zig-zag {:g}/{:g}".format(*self.zigzag_deg)
-        return (
-            f"sequence of {self.sequence_deg:g} deg, bits of {self.hold_s:.3g} s, register of "
-            f"{self.bits}"
-        )
+        bits = f"bits of {self.hold_s:.3g} s, register of {self.bits}"
+        return f"sequence of {self.sequence_deg:g} deg, {bits}"
 
     @property
     def angle_deg(self) -> float:
@@ -101,21 +99,17 @@ class Helm:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrialOptions:
+class TrialOptions(HelmOptions):
     """A user's wishes for trials; None is what suits the ship."""
 
-    zigzag: tuple[float, float] | None = None  # [deg] rudder and heading
-    amplitude: float | None = None  # [deg] of a sequence, where one is wanted
-    hold: float | None = None  # [s] of a bit
-    bits: int | None = None  # of the register
-    seed: int = 1
-    seconds: float = 600.0
+    amplitude: float | None = None  # [deg] of a sequence, where one is wanted beside a zig-zag
     speeds: tuple[tuple[float, float], ...] = ()  # [kn] and that which the revolutions hold
-    interval: float | None = None  # [s] between samples
-    outputs: tuple[str, ...] = ()  # read beside the speed
-    sensors: Sensors
-    unrest: float = 0.02  # [deg/s] rms, of the sea alone
     prior_strength: float = 0.5
+
+    @property
+    def read(self) -> tuple[str, ...]:
+        """Return what is read beside the speed."""
+        return self.outputs or READINGS[1:]
 
 
 @dataclass(frozen=True)
@@ -213,7 +207,7 @@ def design(ship: ShipFile, options: TrialOptions) -> Design:
         helms=helms,
         seconds=options.seconds,
         interval_s=every * usual.step,
-        outputs=("speed", *_outputs(options)),
+        outputs=("speed", *options.read),
         prior=prior_of(expected[0].problem.model, ship)[1],
         prior_strength=options.prior_strength,
         plans=plans,
@@ -246,11 +240,6 @@ def sensors_of(ship: ShipFile, asked: Sensors, given: Collection[str]) -> Sensor
     return replace(asked, **of_file)
 
 
-def _outputs(options: TrialOptions) -> tuple[str, ...]:
-    """Return what is read beside the speed."""
-    return options.outputs or READINGS[1:]
-
-
 def _check(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> None:
     """Check what is asked for; ConfigError with the limit."""
     most = ship.dimensions.rudder_limit_deg
@@ -262,7 +251,7 @@ def _check(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> None:
             )
     if len(legs) > MOST:
         raise ConfigError(f"--speed: {len(legs)} trials: a page has room for {MOST}")
-    read = _outputs(options)
+    read = options.read
     if "sway" not in read or not {"yaw_rate", "heading"} & set(read):
         raise ConfigError("--output: such a ship is told by sway with yaw_rate or heading")
 
@@ -301,7 +290,7 @@ def _expected(ship: ShipFile, flights: Sequence[Flight], every: int, options: Tr
     """Return what is expected of fitting the records of these flights together."""
     if ship.result is None:
         raise ConfigError(f"{ship.path.name}: lacks [result]")
-    trials = [flown_trial(ship, flight, every, _outputs(options)) for flight in flights]
+    trials = [flown_trial(ship, flight, every, options.read) for flight in flights]
     model = model_for(ship, ship.result.model, wind=False)
     prior, _ = prior_of(model, ship)
     problem = problem_of(model, np.array(ship.constants), trials, prior, options.prior_strength)
@@ -379,56 +368,40 @@ def render(report: Report) -> str:
             f"{plan.name}  {legs}: {plan.seconds:g} s each, {plan.executes} executes, "
             f"{plan.slowest_kn:.1f} to {plan.fastest_kn:.1f} kn, {plan.samples} samples"
         )
-    lines += ["", *_table(report.plans)]
-    for plan in report.plans:
-        lines += ["", f"{INDENT}What {plan.name} will not tell", *_untold(plan)]
-    lines += ["", *items(report.remarks)]
-    return "\n".join(lines).rstrip()
-
-
-def _table(plans: Sequence[Plan]) -> list[str]:
-    """Return the expected standard deviations of each plan, with the prior's shares."""
     rows = [
         (
             one.name,
             f"{one.value:.4g}",
-            *(_cell(plan.coefficients[i]) for plan in plans),
+            *(
+                f"{x.deviation:.2g} {100.0 * min(x.prior_share, 1.0):3.0f}%"
+                for x in (plan.coefficients[i] for plan in report.plans)
+            ),
         )
-        for i, one in enumerate(plans[0].coefficients)
+        for i, one in enumerate(report.plans[0].coefficients)
     ]
-    heads = [f"{plan.name}: std dev\nprior's share" for plan in plans]
-    return table(("coefficient", "value", *heads), rows)
-
-
-def _cell(one: Coefficient) -> str:
-    """Return a standard deviation with the prior's share."""
-    return f"{one.deviation:.2g} {100.0 * min(one.prior_share, 1.0):3.0f}%"
-
-
-def _untold(plan: Plan) -> list[str]:
-    """Return what a plan will not tell, in words."""
-    worst = plan.untold[:WORST]
-    found = items(map(in_words, worst))
-    if plan.from_book:
-        found += wrap(f"- {', '.join(plan.from_book)}: from the book (its share above 90 %)")
-    return found or wrap("- nothing: each coefficient is told by itself")
+    heads = [f"{plan.name}: std dev\nprior's share" for plan in report.plans]
+    lines += ["", *table(("coefficient", "value", *heads), rows)]
+    for plan in report.plans:
+        lines += ["", f"{INDENT}What {plan.name} will not tell"]
+        lines += items(map(in_words, plan.untold[:WORST]))
+        if plan.from_book:
+            lines += wrap(f"- {', '.join(plan.from_book)}: from the book (its share above 90 %)")
+        elif not plan.untold:
+            lines += wrap("- nothing: each coefficient is told by itself")
+    lines += ["", *items(report.remarks)]
+    return "\n".join(lines).rstrip()
 
 
 def panels(found: Design) -> tuple[Panel, ...]:
     """Return rudder, heading and speed of each leg."""
     drawn = []
-    alone = [
-        (plan, flights[0]) for plan, flights in zip(found.report.plans, found.flights, strict=True)
-    ]
-    shown = [(plan, flight) for plan, flight in alone if len(plan.legs) == 1]
+    both = zip(found.report.plans, found.flights, strict=True)
+    shown = [(str(plan.legs[0]), flights[0]) for plan, flights in both if len(plan.legs) == 1]
     for title, unit, name, factor in (
         ("rudder, positive to port", "[deg]", "delta_r", 180.0 / math.pi),
         ("heading", "[deg]", "psi", 180.0 / math.pi),
         ("speed", "[kn]", "u", 1.0 / KNOT),
     ):
-        curves = tuple(
-            Curve(str(plan.legs[0]), flight.t, factor * flight.column(name))
-            for plan, flight in shown
-        )
-        drawn.append(Panel(title, "time [s]", unit, curves))
+        curves = (Curve(leg, flight.t, factor * flight.column(name)) for leg, flight in shown)
+        drawn.append(Panel(title, "time [s]", unit, tuple(curves)))
     return tuple(drawn)

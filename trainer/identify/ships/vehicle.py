@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
@@ -129,23 +130,18 @@ def fly_ship(ship: ShipFile, name: str, options: ManoeuvreOptions) -> tuple[Ship
     """Return report and flight of a manoeuvre, with intervals by ships drawn."""
     vehicle = IdentifiedShip(ship, options.step)
     report, flight = fly_vehicle(vehicle, name, options, vehicle.speed_kn)
-    drawn, lost = [], 0
     count = min(max(MOST_CYCLES // max(len(flight.t), 1), FEWEST_DRAWS), DRAWS)
-    for other in draws(ship, count):
-        try:
-            flown, _ = fly_vehicle(
-                IdentifiedShip(other, vehicle.step), name, options, vehicle.speed_kn
-            )
-        except ConfigError:
-            lost += 1
-            continue
-        lost += bool(flown.lost)
-        if not flown.lost:
-            drawn.append({one.name: one.value for one in flown.measures})
-    own = {item.name: getattr(report, item.name) for item in fields(Report)}
-    own["notices"] = (*report.notices, *_beyond(ship, flight))
+    drawn, others = [], list(draws(ship, count))
+    for other in others:
+        with suppress(ConfigError):  # that one is lost
+            sailing = IdentifiedShip(other, vehicle.step)
+            flown, _ = fly_vehicle(sailing, name, options, vehicle.speed_kn)
+            if not flown.lost:
+                drawn.append({one.name: one.value for one in flown.measures})
+    own = {**vars(report), "notices": (*report.notices, *_beyond(ship, flight))}
     intervals = tuple(_interval(one, drawn) for one in report.measures) if drawn else ()
-    return ShipReport(**own, intervals=intervals, draws=len(drawn) + lost, draws_lost=lost), flight
+    own |= {"draws": len(others), "draws_lost": len(others) - len(drawn)}
+    return ShipReport(**own, intervals=intervals), flight
 
 
 def _interval(one: Measure, drawn: list[dict[str, float | None]]) -> Interval:
@@ -185,8 +181,7 @@ def _beyond(ship: ShipFile, flight: Flight) -> Iterator[str]:
 
 def render(report: ShipReport) -> str:
     """Return the report as text, with the intervals."""
-    plain = replace(report, intervals=())
-    text = render_flight(plain)
+    text = render_flight(replace(report, intervals=()))
     if not report.intervals:
         return text
     rows = []
@@ -231,21 +226,16 @@ class Sailing:
         tables, path = self.study.varied(drawn), self.study.path
         inside = Place(path.name, "manoeuvre")
         table = read_record(ManoeuvreTable, tables["manoeuvre"], inside, ())
-        _check_words(self.study, table)
+        given = {"method": asdict(self.study.method), "manoeuvre": asdict(table)}
+        problems = [
+            Place(path.name, where).wrong(key, given[where][key], "is for boats, not for ships")
+            for where, keys in OF_BOATS.items()
+            for key in keys
+            if given[where][key] is not None
+        ]
+        if problems:
+            raise ConfigError(*problems)
         named = Path(self.study.heading.vessel or "")
         ship = IdentifiedShip(read_ship(tables["vessel"], named), self.study.method.step_s)
         manoeuvre = manoeuvre_of(table, ship)
         return manoeuvre, fly(ship, manoeuvre, speed_of(table, ship.speed_kn))
-
-
-def _check_words(study: Study, table: ManoeuvreTable) -> None:
-    """Check that a study has no words for boats alone; ConfigError with all it has."""
-    given = {"method": asdict(study.method), "manoeuvre": asdict(table)}
-    problems = [
-        Place(study.path.name, where).wrong(key, given[where][key], "is for boats, not for ships")
-        for where, keys in OF_BOATS.items()
-        for key in keys
-        if given[where][key] is not None
-    ]
-    if problems:
-        raise ConfigError(*problems)
