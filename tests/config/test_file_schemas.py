@@ -14,7 +14,7 @@ from fuzz.files import SHIP
 from helpers.places import ROOT
 from jsonschema import Draft202012Validator
 
-from trainer.cli.listings import SCHEMAS, schema
+from trainer.cli.listings import SCHEMAS, schema, schema_of
 from trainer.config.baseline import BASELINE
 
 CONFIGS = ROOT / "configs"
@@ -49,7 +49,7 @@ length_m = 70.2
 
 @cache
 def validator(kind: str) -> Draft202012Validator:
-    return Draft202012Validator(SCHEMAS[kind]())
+    return Draft202012Validator(schema_of(kind))
 
 
 def faults(kind: str, table: dict[str, Any]) -> list[str]:
@@ -63,7 +63,7 @@ def shipped(name: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("kind", SCHEMAS)
 def test_a_schema_is_one_of_draft_2020_12(kind: str) -> None:
-    made = SCHEMAS[kind]()
+    made = schema_of(kind)
 
     assert made["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     Draft202012Validator.check_schema(made)

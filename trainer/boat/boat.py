@@ -37,26 +37,6 @@ def _places(names: tuple[str, ...]) -> "itemgetter[Any]":
     return itemgetter(*(TICK if name == "t" else PLACES[name] for name in names))
 
 
-def _senses(file: VesselFile) -> dict[str, float]:
-    """Return the sign of a deflection that turns right or makes the boat rise, 0 without effect.
-
-    Plane signs are carried by the coefficients: rudder by its yawing moment, stern planes by
-    their pitching moment, bow planes by their lift.
-    """
-    effects = {
-        "rudder": file.coefficients["N_dr"],
-        "stern": file.coefficients["M_ds"],
-        "bow": -file.coefficients["Z_db"],
-    }
-    return {name: math.copysign(1.0, effect) if effect else 0.0 for name, effect in effects.items()}
-
-
-def _reach(vessel: np.void) -> float:
-    """Return how far [m] from the origin the sail's top and the ends of the deck are, at most."""
-    deck = math.hypot(DECK_REACH * vessel["ell"], vessel["z_deck"])
-    return max(deck, math.hypot(vessel["x_sail"], vessel["z_sail"]))
-
-
 class Boat:
     """One boat. ``state`` is all that evolves: copy it to keep a moment, assign it to go back.
 
@@ -72,8 +52,20 @@ class Boat:
         self.state = self.records.state[0]
         whole: Any = self.records.state.view(np.uint8)
         self.plain = memoryview(whole).cast("d")
-        self.reach = _reach(self.vessel)
-        self.toward = _senses(file)
+        # how far [m] from the origin the sail's top and the ends of the deck are, at most
+        deck = math.hypot(DECK_REACH * self.vessel["ell"], self.vessel["z_deck"])
+        self.reach = max(deck, math.hypot(self.vessel["x_sail"], self.vessel["z_sail"]))
+        # The sign of a deflection that turns right or makes the boat rise, 0 without effect. The
+        # coefficients carry it: rudder by yawing moment, stern planes by pitching moment, bow by
+        # lift.
+        effects = {
+            "rudder": file.coefficients["N_dr"],
+            "stern": file.coefficients["M_ds"],
+            "bow": -file.coefficients["Z_db"],
+        }
+        self.toward = {
+            name: math.copysign(1.0, effect) if effect else 0.0 for name, effect in effects.items()
+        }
         self.sea = load_sea("calm")
         self.casualties = load_casualties()
         self.world = World()

@@ -63,7 +63,11 @@ def order_crew(boat: Boat, order: Order) -> Reply:
     if what == "course":
         return _order_course(boat, order.value, more)
     if what == "periscope":
-        return _order_periscope(boat)
+        # let the boat's own periscope depth stand
+        depth = boat.file.run.periscope_depth_m
+        if depth is None:
+            return Refused(f"{boat.file.path.name} gives no [run] periscope_depth_m: order a depth")
+        return _stand(boat, "depth", depth)
     return _beyond(boat, what, order.value) or _order_amount(boat, what, order)
 
 
@@ -72,14 +76,6 @@ def _order_amount(boat: Boat, what: str, order: Order) -> str:
     if what == "depth":
         return _stand(boat, what, order.value, FOOT if order.text.endswith("ft") else 1.0)
     return _stand(boat, what, -order.value if order.word.endswith("down") else order.value)
-
-
-def _order_periscope(boat: Boat) -> Reply:
-    """Let the boat's own periscope depth stand."""
-    depth = boat.file.run.periscope_depth_m
-    if depth is None:
-        return Refused(f"{boat.file.path.name} gives no [run] periscope_depth_m: order a depth")
-    return _stand(boat, "depth", depth)
 
 
 def _order_course(boat: Boat, course: float, way: str) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Final, TypeVar
 
 from trainer.config.condition import Condition, compile_conditions
-from trainer.config.files import ConfigError, Place, collecting, nearest
+from trainer.config.files import ConfigError, Place, collecting, nearest, refuse
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -127,26 +127,21 @@ def read_crew(table: Mapping[str, object], place: Place) -> Crew:
         planesman = _ways(Planesman, "planesman", table, place)
     with collecting(problems):
         helmsman = _ways(Helmsman, "helmsman", table, place)
-    problems += _twice(rules, place)
-    if problems:
-        raise ConfigError(*problems)
-    return Crew(rules=tuple(rules), planesman=planesman, helmsman=helmsman)
-
-
-def _ways(record: type[Ways], name: str, table: Mapping[str, object], place: Place) -> Ways:
-    return read_record(record, table.get(name, {}), place.inside(name), ("note",))
-
-
-def _twice(rules: list[CrewRule], place: Place) -> list[str]:
-    """Return which rules stand twice: two crews in one file."""
+    # which rules stand twice: two crews in one file
     rows = [rule.row for rule in rules]
-    return [
+    problems += [
         place.inside(f"crew[{i}]").problem(
             f'order = "{row.order}": is a rule above too; an exercise has one reference crew'
         )
         for i, row in enumerate(rows)
         if row in rows[:i] and not row.then
     ]
+    refuse(problems)
+    return Crew(rules=tuple(rules), planesman=planesman, helmsman=helmsman)
+
+
+def _ways(record: type[Ways], name: str, table: Mapping[str, object], place: Place) -> Ways:
+    return read_record(record, table.get(name, {}), place.inside(name), ("note",))
 
 
 def _read_rule(row: CrewRow, i: int, place: Place) -> CrewRule:
@@ -172,8 +167,7 @@ def _read_rule(row: CrewRow, i: int, place: Place) -> CrewRule:
     ]
     with collecting(problems):
         order = parse_crew_order(row.order, place)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return CrewRule(row=row, conditions=conditions, order=order)
 
 

@@ -8,7 +8,7 @@ from typing import Final
 from trainer.config.casualties import Casualty
 from trainer.config.condition import EVERY, Condition, compile_conditions, parse_name
 from trainer.config.condition import nearest_quantity as guess
-from trainer.config.files import ConfigError, Place, collecting, nearest
+from trainer.config.files import ConfigError, Place, collecting, nearest, refuse
 from trainer.config.schema import Choice, Choices, Quantity, Rows, Text, above, of, optional, within
 from trainer.config.sound_rows import Readers, sound_rows
 from trainer.core.surfaces import SURFACES
@@ -284,8 +284,7 @@ def understood(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
         problems.append(place.wrong("zero", score.zero, "must not be the value of full"))
     if score.to_s is not None and score.to_s < (score.from_s or 0.0):
         problems.append(place.wrong("to_s", score.to_s, "is before from_s"))
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return Rule(score=score, measured=measured or None, conditions=conditions, **found)
 
 
@@ -342,8 +341,7 @@ def read_rules(
         for name in dict.fromkeys(names)
         if names.count(name) > 1
     ]
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return tuple(rules)
 
 
@@ -357,8 +355,7 @@ def _read_rule(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
         problems += _unfit(score, place)
     if not problems:
         problems += _check_target(rule, place)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return rule
 
 

@@ -55,7 +55,13 @@ def read_as_kept(path: Path, kept: str) -> str:
 
 def _as_text(path: Path) -> str:
     """Return the grid in a file on disk as a text."""
-    data = _bytes(path)
+    try:
+        with path.open("rb") as file:
+            data = file.read(BYTES + 1)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(data) > BYTES:
+        raise ConfigError(f"{path}: is larger than the limit of {BYTES} bytes; not read")
     tiff = data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
     grid = read_geotiff(path) if tiff else read_ascii(data, path)
     rows, columns = grid.values.shape
@@ -74,17 +80,6 @@ def _from_text(text: str, path: Path) -> Grid:
     except (ValueError, zlib.error):
         raise ConfigError(f"{path}: is no grid as recordings keep one") from None
     return Grid(values, west, south, (down, across), degrees)
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            data = file.read(BYTES + 1)
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
-    if len(data) > BYTES:
-        raise ConfigError(f"{path}: is larger than the limit of {BYTES} bytes; not read")
-    return data
 
 
 # ESRI ASCII

@@ -21,6 +21,7 @@ from trainer.config.files import (
     parse_toml,
     path_named,
     read_text,
+    refuse,
     shipped,
 )
 from trainer.config.propulsion import DRAG_ASTERN, Thrust, thrust_of, thrust_problems
@@ -202,8 +203,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
     absent = tuple(term.key for term in COEFFICIENTS if term.key not in parts["coefficients"])
     parts["coefficients"] = dict.fromkeys(absent, 0.0) | parts["coefficients"]
     problems = _fit_problems(parts, place)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     parts["vessel"] = with_deepest_order(parts["vessel"])
     thrust = _thrust(parts)
     remarks = {
@@ -302,8 +302,7 @@ def _read_parts(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
         extra = parts["compact"].extra_terms if "compact" in parts else EXTRA_TERMS
         here = place.inside("compensation")
         parts["compensation"] = read_compensation(table.get("compensation", {}), here, extra)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return parts
 
 

@@ -100,7 +100,7 @@ def pitch_order(model: SessionModel) -> tuple[str, str]:
     ordered, error = _pair(model, "pitch")
     if ordered is None:
         return "", ""
-    told = "zero" if abs(ordered) < 0.05 else _angle(ordered)
+    told = "zero" if abs(ordered) < 0.05 else f"{short(abs(ordered))} {_way(ordered)}"
     if ordered and has_come_off(model):
         return _both(told, ", at depth")
     if error is None or abs(error) < REACHED:
@@ -123,10 +123,6 @@ def _both(told: str, error: str) -> tuple[str, str]:
 
 def _way(pitch: float) -> str:
     return "up" if pitch > 0.0 else "down"
-
-
-def _angle(pitch: float) -> str:
-    return f"{short(abs(pitch))} {_way(pitch)}"
 
 
 ORDERS: Final = {
