@@ -102,10 +102,6 @@ def _negative(boat: Boat, order: Order) -> Reply:
     return f"negative tank {'flooding' if flooding else 'being blown'}"
 
 
-def _flood(boat: Boat, order: Order) -> Reply:
-    return _move(boat, order, 1.0)
-
-
 def _pump(boat: Boat, order: Order) -> Reply:
     if order.word.startswith("trim"):
         boat.state.move_trim = order.value if order.word == "trim_forward" else -order.value
@@ -215,7 +211,7 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "emergency": _emergency,
     "vent": _vent,
     "negative": _negative,
-    "flood": _flood,
+    "flood": lambda boat, order: _move(boat, order, 1.0),
     "pump": _pump,
     "drain": _drain,
     "compressor": _compressor,

@@ -22,11 +22,15 @@ SWINGING = math.radians(0.02)  # [rad/s] of yaw, below which there is nothing to
 MEETING = math.radians(10.0)  # [rad] of rudder that meets a swing, unless more is on
 NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
 
+# what the autopilot alone can do; a depth that no boat of this kind keeps is refused first
+AUTOPILOTS = frozenset({"course", "course-to", "course-by", "speed", "autopilot", "trim"})
 LEVER = {"stern": 0.6, "bow": 1.0}  # the share of one lever's angle that each pair of planes has
 
 
 def obey(boat: Boat, order: Order) -> Reply:
     """Carry ``order`` out; return what now holds, or why it was refused."""
+    if order.name in AUTOPILOTS and not boat.automatic:
+        return _without_autopilot(boat)
     return _DUTIES[order.name](boat, order)
 
 
@@ -166,8 +170,6 @@ def _periscope(boat: Boat, order: Order) -> Reply:
 
 def _course(boat: Boat, order: Order) -> Reply:
     """Keep a course, turning the short way, with the rudder automatic."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     s = boat.state
     _automatic(boat, "rudder")
     if order.word == "steady":
@@ -179,8 +181,6 @@ def _course(boat: Boat, order: Order) -> Reply:
 
 def _course_to(boat: Boat, order: Order) -> Reply:
     """Keep a course, turning the way ordered, with the rudder automatic."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     side = -1.0 if order.text.startswith("course left") else 1.0
     start = boat.state.psi
     _automatic(boat, "rudder")
@@ -191,8 +191,6 @@ def _course_to(boat: Boat, order: Order) -> Reply:
 
 def _course_by(boat: Boat, order: Order) -> Reply:
     """Change the course kept, or the heading if the rudder is by hand, the way ordered."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     s = boat.state
     # by hand it is the compass that the change starts from
     start = casualties.readings(boat).heading if s.rudder_by_hand else s.ordered_psi
@@ -208,8 +206,6 @@ def _degrees(angle: float) -> str:
 
 def _speed(boat: Boat, order: Order) -> Reply:
     """Keep a speed; the propeller answers like an engine order."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     s = boat.state
     if order.word != "auto":
         if order.value > boat.vessel.u_c_ahead + 1e-9:
@@ -236,14 +232,6 @@ def _revolutions(boat: Boat, u_c: float, said: str) -> Reply:
     return f"{said}turns for {u_c / KNOT:.3g} kn"
 
 
-def _turns(boat: Boat, order: Order) -> Reply:
-    return _revolutions(boat, order.value, "")
-
-
-def _rpm(boat: Boat, order: Order) -> Reply:
-    return _revolutions(boat, order.value / boat.file.propulsion.rps_per_mps, f"{order.text}: ")
-
-
 def _bell(boat: Boat, order: Order) -> Reply:
     if order.word == "stop":
         return _revolutions(boat, 0.0, f"{order.text}: ")
@@ -256,8 +244,6 @@ def _bell(boat: Boat, order: Order) -> Reply:
 
 def _autopilot(boat: Boat, order: Order) -> Reply:
     """Everything automatic or by hand, or another law of depth keeping."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     s = boat.state
     if order.word in LAWS:
         s.depth_law, law = LAWS[order.word]
@@ -274,35 +260,21 @@ def _autopilot(boat: Boat, order: Order) -> Reply:
 
 def _trim(boat: Boat, order: Order) -> Reply:
     """Leave trim to the pumps and what the planes show, or to hands."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     boat.state.trim_by_hand = float(order.word == "manual")
     return "trim by hand" if order.word == "manual" else "trim automatic, in steady level flight"
 
 
-def _casualty(boat: Boat, order: Order) -> Reply:
-    """Let something break."""
-    return casualties.insert(boat, *casualties.ordered(order))
-
-
-def _clear(boat: Boat, order: Order) -> Reply:
-    return casualties.clear(boat, order.subject)
-
-
-def _world(boat: Boat, order: Order) -> Reply:
-    """Change the world around the boat from the next tick on."""
-    return boat.world.obey(order, boat.ticks)
-
-
 _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
-    **dict.fromkeys(PARTS, _world),
+    **dict.fromkeys(PARTS, lambda boat, order: boat.world.obey(order, boat.ticks)),
     "depth": _depth,
     "course": _course,
     "course-by": _course_by,
     "course-to": _course_to,
     "speed": _speed,
-    "turns": _turns,
-    "rpm": _rpm,
+    "turns": lambda boat, order: _revolutions(boat, order.value, ""),
+    "rpm": lambda boat, order: _revolutions(
+        boat, order.value / boat.file.propulsion.rps_per_mps, f"{order.text}: "
+    ),
     "bell": _bell,
     "rudder": _surface,
     "stern": _surface,
@@ -314,8 +286,8 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "trim": _trim,
     "order": crew_orders.order_crew,
     "sea": order_sea,
-    "casualty": _casualty,
-    "clear": _clear,
+    "casualty": lambda boat, order: casualties.insert(boat, *casualties.ordered(order)),
+    "clear": lambda boat, order: casualties.clear(boat, order.subject),
     "hold": sea_orders.hold,
     "release": sea_orders.release,
     **dict.fromkeys(ballast_orders.ORDERS, ballast_orders.order_ballast),

@@ -163,9 +163,11 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     report, flight = fly(vessel, name, options)
     if options["csv"]:
         page.write_csv(flight, options["csv"])
-    render = page.render
+    render: Any = page.render
     if hasattr(report, "intervals"):
-        from trainer.identify.ships.vehicle import render  # with its intervals
+        from trainer.identify.ships import vehicle
+
+        render = vehicle.render
     show(report, render, lambda: page.panels(find_manoeuvre(name), flight), options)
     sys.exit(1 if report.lost else 0)
 

@@ -233,14 +233,7 @@ class Plot:
         """Return the rows, numbers at the side."""
         down = drawn.name == "depth"
         sheet = Sheet(self._columns, self._rows)
-        points: list[tuple[float, float]] = []
-        for x, value in enumerate(actual):
-            if value is None:
-                sheet.stroke(points)
-                points = []
-            else:
-                points.append((x, self._place(value, sheet.down, down=down)))
-        sheet.stroke(points)
+        self._trace(sheet, actual, down=down)
         dashed = self._dashes(ordered, down=down)
         return [
             (*self._scale(row, drawn, down=down), *merge(sheet.text(row), dashed.text(row)))
@@ -251,6 +244,16 @@ class Plot:
         """Return how far down a value lies."""
         share = (value - self._low) / (self._high - self._low)
         return (share if down else 1.0 - share) * (dots - 1)
+
+    def _trace(self, sheet: Sheet, values: Sequence[float | None], *, down: bool) -> None:
+        points: list[tuple[float, float]] = []
+        for x, value in enumerate(values):
+            if value is None:
+                sheet.stroke(points)
+                points = []
+            else:
+                points.append((x, self._place(value, sheet.down, down=down)))
+        sheet.stroke(points)
 
     def _dashes(self, values: Sequence[float | None], *, down: bool) -> Sheet:
         """Return the ordered value in dashes, every second column, as high as the actual one."""
