@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.boat.boat import Boat
+from trainer.boat.crew_orders import beyond
 from trainer.core.ballast.ballast import balance
 from trainer.core.ballast.hover import SURE, WAY, is_hovering, wanted_pump
 from trainer.core.ballast.tanks import (
@@ -152,11 +153,8 @@ def _hover(boat: Boat, order: Order) -> Reply:
         s.hover = s.move_depth_control = 0.0
         return "hovering off"
     depth = float(s.z) if order.word else order.value
-    deepest = boat.file.hull.max_depth_m
-    if deepest is not None and not order.word and depth > deepest:
-        return Refused(f"this boat's greatest depth is {deepest:g} m, not {depth:g} m")
-    refusal = cannot_hover(boat, depth)
-    if refusal:
+    too_deep = None if order.word else beyond(boat, "depth", depth)
+    if refusal := too_deep or cannot_hover(boat, depth):
         return refusal
     s.hover, s.hover_lost, s.ascent = 1.0, 0.0, 0.0
     s.ordered_depth = depth

@@ -24,6 +24,7 @@ from trainer.core.sea.sea import order_sea
 from trainer.core.soundings import sound
 from trainer.core.start import level_flight, set_out
 from trainer.core.state import STATE
+from trainer.core.surfaces import SURFACES
 from trainer.core.update import WATCHED, update
 from trainer.units import KNOT
 
@@ -87,6 +88,10 @@ class Boat:
     def automatic(self) -> bool:
         """Return whether the vessel file gives autopilot gains."""
         return bool(self.vessel.gain_count > 0.0)
+
+    def carries(self, surface: str) -> bool:
+        """Return whether the boat has that surface, and it does something."""
+        return bool(self.toward[surface] and self.vessel[f"limit_{SURFACES[surface]}"])
 
     def trimmed(self, speed: float) -> bool:
         """Bring the state into level flight at ``speed`` [m/s]; return whether it can be."""

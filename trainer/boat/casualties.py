@@ -149,22 +149,18 @@ def describe(boat: Boat, kind: str, amount: float) -> str:
         size = round(math.degrees(angle), 1) + 0.0
         return f"{abs(size):g} deg{f' {SIDES[surface][size < 0.0]}' if size else ''}"
     if what in GAUGE_UNITS:
-        return _misreading(what, how, amount)
+        # what is wrong with a gauge, in its unit
+        unit, size = GAUGE_UNITS[what]
+        shown = amount / size
+        if how == "noisy":
+            return f"{shown:.3g} {unit} of noise"
+        if how == "stuck":
+            return f"at {shown % 360.0 if unit == 'deg' else shown:.1f} {unit}"
+        return f"reads {abs(shown):.3g} {unit} too {'little' if shown < 0.0 else 'much'}"
     if kind.startswith(("leak-", "flooding-")):
         return f"hole {1e4 * amount:.3g} cm2"
     share = next((s for end, s in SHARES.items() if kind.startswith(end) or kind.endswith(end)), "")
     return f"{100.0 * amount:.3g} % {share}" if share else ""
-
-
-def _misreading(gauge: str, how: str, amount: float) -> str:
-    """Return what is wrong with a gauge, in its unit."""
-    unit, size = GAUGE_UNITS[gauge]
-    shown = amount / size
-    if how == "noisy":
-        return f"{shown:.3g} {unit} of noise"
-    if how == "stuck":
-        return f"at {shown % 360.0 if unit == 'deg' else shown:.1f} {unit}"
-    return f"reads {abs(shown):.3g} {unit} too {'little' if shown < 0.0 else 'much'}"
 
 
 def listing(boat: Boat) -> list[str]:
@@ -313,7 +309,7 @@ def _carries(boat: Boat, kind: str) -> bool:
     what, _, rest = kind.partition("-")
     part = rest.rsplit("-", 1)[0].replace("-", "_")
     if what in SURFACES:
-        return bool(boat.toward[what]) and bool(c.limit[tuple(SURFACES).index(what)])
+        return boat.carries(what)
     parts = {
         "pump": (c.pump_rate, PUMPS, part),
         "bank": (c.bank_volume, BANKS, part),

@@ -34,11 +34,6 @@ def obey(boat: Boat, order: Order) -> Reply:
     return _DUTIES[order.name](boat, order)
 
 
-def _carries(boat: Boat, surface: str) -> bool:
-    """Return whether the boat has that surface, and it does something."""
-    return bool(boat.toward[surface]) and bool(boat.vessel[f"limit_{SURFACES[surface]}"])
-
-
 def _without_autopilot(boat: Boat) -> Refused:
     return Refused(
         f"{boat.file.path.name} has no [autopilot] table: steer by hand, "
@@ -55,7 +50,7 @@ def _surface(boat: Boat, order: Order) -> Reply:
     """Put a surface to an angle or in hand, or give it to the autopilot."""
     sign = boat.toward[order.name]
     limit = float(boat.vessel[f"limit_{SURFACES[order.name]}"])
-    if not _carries(boat, order.name):
+    if not boat.carries(order.name):
         return Refused(f"this boat has no {NAMES[order.name]}")
     if order.word == "auto":
         return _automatic(boat, order.name)
@@ -110,7 +105,7 @@ def _automatic(boat: Boat, *surfaces: str) -> Reply:
     if not boat.automatic:
         return _without_autopilot(boat)
     s = boat.state
-    given = [surface for surface in surfaces if _carries(boat, surface)]
+    given = [surface for surface in surfaces if boat.carries(surface)]
     for surface in given:
         s[f"{surface}_by_hand"] = 0.0
     if "rudder" in given:
@@ -132,7 +127,7 @@ def _planes(boat: Boat, order: Order) -> Reply:
 
 def _lever(boat: Boat, order: Order) -> Reply:
     """Both pairs of planes by hand, by one lever. The boat's limits hold."""
-    carried = [surface for surface in LEVER if _carries(boat, surface)]
+    carried = [surface for surface in LEVER if boat.carries(surface)]
     if not carried:
         return Refused("this boat has no planes")
     for surface in carried:
@@ -144,9 +139,8 @@ def _lever(boat: Boat, order: Order) -> Reply:
 
 def _depth(boat: Boat, order: Order) -> Reply:
     """Keep a depth, with both pairs of planes automatic."""
-    deepest = boat.file.hull.max_depth_m
-    if order.word != "auto" and deepest is not None and order.value > deepest:
-        return Refused(f"this boat's greatest depth is {deepest:g} m, not {order.value:g} m")
+    if order.word != "auto" and (refusal := crew_orders.beyond(boat, "depth", order.value)):
+        return refusal
     if not boat.automatic:
         return _without_autopilot(boat)
     if order.word != "auto" and boat.state.hover:
@@ -208,11 +202,8 @@ def _speed(boat: Boat, order: Order) -> Reply:
     """Keep a speed; the propeller answers like an engine order."""
     s = boat.state
     if order.word != "auto":
-        if order.value > boat.vessel.u_c_ahead + 1e-9:
-            return Refused(
-                f"this boat's greatest speed is {boat.vessel.u_c_ahead / KNOT:g} kn, "
-                f"not {order.value / KNOT:g}"
-            )
+        if refusal := crew_orders.beyond(boat, "speed", order.value):
+            return refusal
         s.ordered_speed = order.value
     s.speed_by_hand = 0.0
     return f"keeping speed {s.ordered_speed / KNOT:g} kn"

@@ -272,16 +272,7 @@ def read_hull(given: Mapping[str, Any], path: Path) -> HullFile:
             parts[name] = kind.read(name, given[name], place) if name in given else None
     refuse(problems)
     file = HullFile(
-        path=path,
-        name=parts["name"],
-        form=parts["hull"],
-        mass=parts["mass"],
-        water=parts["fluid"],
-        speed=parts["speed"],
-        propeller=parts["propeller"],
-        controls=parts["controls"],
-        surfaces=parts["surfaces"],
-        tables=given,
+        path=path, form=parts.pop("hull"), water=parts.pop("fluid"), tables=given, **parts
     )
     problems = [*_form_problems(file), *_mass_problems(file), *_surface_problems(file)]
     refuse(problems)

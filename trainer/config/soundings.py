@@ -289,8 +289,8 @@ def on_the_plane(grid: Grid, position: Position) -> Grid:
     between its knots: off by 0.1 m where they are 3 km apart.
     """
     rows, columns = grid.values.shape
-    cell = max(grid.cell[0] * METRES, math.sqrt(_area(grid, position) / CELLS))
     (south, north), (west, east) = _extent(grid, position)
+    cell = max(grid.cell[0] * METRES, math.sqrt((north - south) * (east - west) / CELLS))
     shape = int((north - south) / cell) + 1, int((east - west) / cell) + 1
     _refuse_large(*shape, Path("the grid on the plane"))
     latitude, longitude = _positions(position, (south, west), cell, shape)
@@ -313,11 +313,6 @@ def _extent(grid: Grid, position: Position) -> tuple[tuple[float, float], tuple[
         ((north[1] - latitude) * METRES, (north[0] - latitude) * METRES),
         ((east[1] - longitude) * across, (east[0] - longitude) * across),
     )
-
-
-def _area(grid: Grid, position: Position) -> float:
-    (south, north), (west, east) = _extent(grid, position)
-    return (north - south) * (east - west)
 
 
 def _positions(

@@ -212,28 +212,19 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         "wave_strips": _strip_remarks(parts),
         "ballast": _tank_remarks(parts),
     }
+    coefficients = parts.pop("coefficients")
     return VesselFile(
         path=path,
         text=text,
         name=table.get("name", path.stem),
-        fluid=parts["fluid"],
-        hull=parts["vessel"],
-        propulsion=parts["propulsion"],
+        hull=parts.pop("vessel"),
         thrust=thrust,
-        envelope=parts["envelope"],
-        surfaces=parts["control_surfaces"],
-        coefficients={term.key: parts["coefficients"][term.key] for term in COEFFICIENTS},
+        surfaces=parts.pop("control_surfaces"),
+        coefficients={term.key: coefficients[term.key] for term in COEFFICIENTS},
         absent=absent,
-        compensation=parts["compensation"],
-        compact=parts["compact"],
-        run=parts["run"],
-        autopilot=parts.get("autopilot"),
-        ballast=parts.get("ballast"),
-        free_surface=parts.get("free_surface"),
-        wave_strips=parts.get("wave_strips"),
-        scope=parts.get("scope"),
         defaulted=tuple(defaulted),
         remarks=tuple(_placed(remarks, place)),
+        **{**dict.fromkeys(OPTIONAL_TABLES), **parts},
     )
 
 

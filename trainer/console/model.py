@@ -371,7 +371,11 @@ class SessionModel:
     def _list(self, seconds: float, what: str, subject: str) -> None:
         """Take an entry of a list: ranges, snapshots, casualties on offer, plans."""
         if what == "range":
-            self._know(subject)
+            # keep a range of the vessel: "rudder=30", "bell=ahead full:12" as "ahead full"
+            key, _, value = subject.partition("=")
+            name, colon, size = value.rpartition(":")
+            with contextlib.suppress(ValueError):
+                self.ranges[name if colon else key] = float(size)
         elif what == "snapshot":
             self._snapshots.append(Kept(seconds, "S", subject))
         elif what == "casualty":
@@ -381,13 +385,6 @@ class SessionModel:
             self.plans.clear()
         elif what == "planned":
             self.plans += plan_of(subject)
-
-    def _know(self, told: str) -> None:
-        """Keep a range of the vessel: "rudder=30", "bell=ahead full:12" as "ahead full"."""
-        key, _, value = told.partition("=")
-        name, colon, size = value.rpartition(":")
-        with contextlib.suppress(ValueError):
-            self.ranges[name if colon else key] = float(size)
 
     def _order_crew(self, seconds: float, what: str, subject: str) -> None:
         """Take an order to the crew, or its repeat; who has given one does not repeat it."""
