@@ -141,7 +141,7 @@ def test_a_key_that_the_defaults_give_may_be_left_out() -> None:
 
 
 def test_editors_show_unit_and_meaning() -> None:
-    length = SCHEMAS["vessel"]()["properties"]["vessel"]["properties"]["length"]
+    length = schema_of("vessel")["properties"]["vessel"]["properties"]["length"]
 
     assert length["description"] == "[m] reference length L of the coefficients"
 
@@ -153,7 +153,7 @@ def test_the_command_writes_a_schema_and_says_the_line_that_names_it(tmp_path: P
 
     assert done.exit_code == 0
     assert done.output.endswith("first line of your file: #:schema ./exercise.schema.json\n")
-    assert json.loads(path.read_text(encoding="utf-8")) == SCHEMAS["exercise"]()
+    assert json.loads(path.read_text(encoding="utf-8")) == schema_of("exercise")
 
 
 @pytest.mark.parametrize(("typed", "nearest"), [("exercize", "exercise"), ("Vesel", "vessel")])
