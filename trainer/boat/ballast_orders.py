@@ -281,5 +281,5 @@ def put_out_of_trim(boat: Boat, heavy: float, forward: float) -> str:
             tank, held = name.replace("_", " "), boat.vessel.capacity[place] / 1000.0
             return f"in trim the {tank} tank would hold {right / 1000.0:g} t of {held:g}"
         boat.vessel.start[place] = right
-    balance(boat.records.vessel, boat.records.vessel, boat.records.state)
+    balance(boat.records.vessel, boat.records.state)
     return ""

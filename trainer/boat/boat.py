@@ -72,7 +72,7 @@ class Boat:
         self.world = World()
         self.chart: Numbers | None = None  # of the ground, as core.soundings has it
         self._fillings = self.vessel.start.copy()  # [kg] at which the vessel file's weight holds
-        start_ballast(self.records.vessel, self.records.vessel, self.records.state)
+        start_ballast(self.records.vessel, self.records.state)
 
     @property
     def time(self) -> float:
