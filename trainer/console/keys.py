@@ -65,7 +65,7 @@ class Scroll:
 
 
 class Deed(Enum):
-    """What a key does that needs no more words."""
+    """The deeds of keys that need no more words."""
 
     TOGGLE = "freeze time, or let it go on"
     REPEAT = "repeat the order to the crew that is new; without one begin an order"

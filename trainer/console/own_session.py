@@ -106,7 +106,7 @@ class Child(Process):
             work()
 
     def written(self, stream: str) -> str:
-        """Return what it has written; the place where it is written next stays where it is."""
+        """Return what it has written. The place of what is written next stays."""
         descriptor = (self._out if stream == "out" else self._err).fileno()
         size = os.fstat(descriptor).st_size
         return os.pread(descriptor, size, 0).decode("utf-8", errors="replace")

@@ -153,7 +153,7 @@ def planes(model: SessionModel, width: int, height: int) -> Lines:
 
 
 def pilot(model: SessionModel, width: int, height: int) -> Lines:
-    """Return the panel of one who steers and dives, or observes: those of planes and helm."""
+    """Return the panel of a pilot or an observer: those of planes and helm."""
     lines = [
         *dials(model, [depth_gauge(model), compass(model), speed_log(model)], width),
         order_line(model, width),
