@@ -252,7 +252,7 @@ def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: An
     follow_trim(boat, h, now)
     s.speed_trim = learnt(boat, h, now)
     s.command_u_c = s.ordered_speed + s.speed_trim
-    balance(boat, boat, now)
+    balance(boat, now)
     forces(few, how[0].trig, now, work[0].force)
     lagged_rates(few, work[0].force, now)
     kinematics(how[0].trig, now)

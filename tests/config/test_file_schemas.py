@@ -14,7 +14,7 @@ from fuzz.files import SHIP
 from helpers.places import ROOT
 from jsonschema import Draft202012Validator
 
-from trainer.cli.listings import SCHEMAS, schema
+from trainer.cli.listings import SCHEMAS, schema, schema_of
 from trainer.config.baseline import BASELINE
 
 CONFIGS = ROOT / "configs"
@@ -49,7 +49,7 @@ length_m = 70.2
 
 @cache
 def validator(kind: str) -> Draft202012Validator:
-    return Draft202012Validator(SCHEMAS[kind]())
+    return Draft202012Validator(schema_of(kind))
 
 
 def faults(kind: str, table: dict[str, Any]) -> list[str]:
@@ -63,7 +63,7 @@ def shipped(name: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("kind", SCHEMAS)
 def test_a_schema_is_one_of_draft_2020_12(kind: str) -> None:
-    made = SCHEMAS[kind]()
+    made = schema_of(kind)
 
     assert made["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     Draft202012Validator.check_schema(made)
@@ -141,7 +141,7 @@ def test_a_key_that_the_defaults_give_may_be_left_out() -> None:
 
 
 def test_editors_show_unit_and_meaning() -> None:
-    length = SCHEMAS["vessel"]()["properties"]["vessel"]["properties"]["length"]
+    length = schema_of("vessel")["properties"]["vessel"]["properties"]["length"]
 
     assert length["description"] == "[m] reference length L of the coefficients"
 
@@ -153,7 +153,7 @@ def test_the_command_writes_a_schema_and_says_the_line_that_names_it(tmp_path: P
 
     assert done.exit_code == 0
     assert done.output.endswith("first line of your file: #:schema ./exercise.schema.json\n")
-    assert json.loads(path.read_text(encoding="utf-8")) == SCHEMAS["exercise"]()
+    assert json.loads(path.read_text(encoding="utf-8")) == schema_of("exercise")
 
 
 @pytest.mark.parametrize(("typed", "nearest"), [("exercize", "exercise"), ("Vesel", "vessel")])

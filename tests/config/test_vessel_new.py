@@ -72,7 +72,7 @@ def test_every_key_of_a_vessel_file_has_a_law() -> None:
 
 def test_the_table_of_laws_has_every_unit_of_a_vessel_file() -> None:
     found = {
-        kind.cells[0]
+        kind.form.unit
         for table, record in TABLES.items()
         for key, kind in kinds_of(record).items()
         if (table, key) not in EXCEPTIONS

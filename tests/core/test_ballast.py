@@ -35,26 +35,34 @@ BB2 = load_vessel("bb2")
 TONNE = 1000.0
 
 
+def with_tanks(vessel: Record, tanks: Record) -> Record:
+    """Return a copy of a vessel that has these tanks."""
+    found = vessel.copy()
+    for name in tanks.dtype.names or ():
+        if name != "whole":
+            found[name] = tanks[name]
+    return found
+
+
 class Tanks:
     """BB2's tanks, at a depth that the test says."""
 
     def __init__(self, boat: Boat, depth: float, file: Any = BB2) -> None:
-        self.vessel = boat.records.vessel
-        self.constants = ballast_record(file)
+        self.vessel = with_tanks(boat.records.vessel, ballast_record(file))
         self.record = new_state()
         self.state = self.record[0]
         for name in ("weight", "x_g", "y_g", "z_g"):
             self.state[name] = self.vessel[0][name]
         self.state.z = depth
-        ballast.start_ballast(self.vessel, self.constants, self.record)
+        ballast.start_ballast(self.vessel, self.record)
 
     @property
     def b(self) -> Any:
-        return self.constants[0]
+        return self.vessel[0]
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / H)):
-            ballast.advance_ballast(self.vessel, self.constants, H, self.record)
+            ballast.advance_ballast(self.vessel, H, self.record)
 
     def pressure(self, bank: int) -> float:
         return float(self.state.bank[bank] * self.b.gas / self.b.bank_volume[bank])
@@ -133,9 +141,8 @@ def test_a_boat_without_tanks_is_left_alone_to_the_bit(make_boat: Callable[..., 
     boat.state.blow[:], boat.state.breach[:] = 2.0, 0.1
     before = boat.snapshot()
 
-    constants = ballast_record(boat.file)
-    ballast.start_ballast(boat.records.vessel, constants, boat.records.state)
-    ballast.advance_ballast(boat.records.vessel, constants, H, boat.records.state)
+    ballast.start_ballast(boat.records.vessel, boat.records.state)
+    ballast.advance_ballast(boat.records.vessel, H, boat.records.state)
 
     assert boat.records.state.tobytes() == before.tobytes()
 
@@ -147,8 +154,7 @@ def test_trim_water_moved_and_moved_back_returns_the_same_trim(
     boat = make_boat("bb2")
     boat.start(10 * KNOT, 60.0, 0.0)
     r, s = boat.records, boat.state
-    constants = ballast_record(boat.file)
-    ballast.start_ballast(r.vessel, constants, r.state)
+    ballast.start_ballast(r.vessel, r.state)
 
     def trim() -> np.ndarray:
         assert boat.trimmed(10 * KNOT)
@@ -158,7 +164,7 @@ def test_trim_water_moved_and_moved_back_returns_the_same_trim(
     for order in (8 * TONNE, -8 * TONNE):
         s.move_trim, s.move_auxiliary, s.move_depth_control = order, 0.7 * order, -0.3 * order
         for _ in range(1200):
-            ballast.advance_ballast(r.vessel, constants, H, r.state)
+            ballast.advance_ballast(r.vessel, H, r.state)
         if order > 0.0:
             assert abs(trim() - level).max() > 0.01
 
@@ -570,8 +576,8 @@ def test_a_leaking_tank_fills_up(tanks_at: Callable[[float], Tanks]) -> None:
 # The whole boat
 
 
-def stopped(make_boat: Callable[..., Boat], depth: float) -> tuple[Boat, Record]:
-    """Return BB2 dead in the water, in hand, and its tanks."""
+def stopped(make_boat: Callable[..., Boat], depth: float) -> Boat:
+    """Return BB2 dead in the water, in hand."""
     boat = make_boat("bb2")
     boat.start(10 * KNOT, depth, 0.0)
     s = boat.state
@@ -579,9 +585,8 @@ def stopped(make_boat: Callable[..., Boat], depth: float) -> tuple[Boat, Record]
     s.u_c = s.ordered_u_c = s.telegraph_answer = s.telegraph_order = 0.0
     s.surface[:] = s.ordered[:] = 0.0
     s.by_hand[:] = s.speed_by_hand = 1.0
-    constants = ballast_record(boat.file)
-    ballast.start_ballast(boat.records.vessel, constants, boat.records.state)
-    return boat, constants
+    ballast.start_ballast(boat.records.vessel, boat.records.state)
+    return boat
 
 
 def ticks(boat: Boat, seconds: float) -> list[float]:
@@ -598,8 +603,7 @@ def test_an_emergency_blow_from_200_m_at_10_knots_brings_the_boat_up(
 ) -> None:
     boat = make_boat("bb2")
     boat.start(10 * KNOT, 200.0, 0.0)
-    constants = ballast_record(boat.file)
-    ballast.start_ballast(boat.records.vessel, constants, boat.records.state)
+    ballast.start_ballast(boat.records.vessel, boat.records.state)
     boat.state.blow[:3] = 2.0
 
     depths = ticks(boat, 60.0)
@@ -617,7 +621,7 @@ def test_an_emergency_blow_from_200_m_at_10_knots_brings_the_boat_up(
 def test_hovering_takes_up_three_tonnes_and_settles_at_its_depth(
     make_boat: Callable[..., Boat],
 ) -> None:
-    boat, _ = stopped(make_boat, 60.0)
+    boat = stopped(make_boat, 60.0)
     s = boat.state
     s.hover, s.ordered_depth = 1.0, 60.0
     s.water_auxiliary += 3 * TONNE
@@ -633,7 +637,7 @@ def test_hovering_takes_up_three_tonnes_and_settles_at_its_depth(
 
 @pytest.mark.long
 def test_hovering_changes_depth_without_overshoot(make_boat: Callable[..., Boat]) -> None:
-    boat, _ = stopped(make_boat, 60.0)
+    boat = stopped(make_boat, 60.0)
     ticks(boat, 5.0)
     boat.state.hover, boat.state.ordered_depth = 1.0, 75.0
 
@@ -652,7 +656,7 @@ def lift(boat: Boat, constants: Record, **places: float) -> np.ndarray:
     for name, value in places.items():
         record[name] = value
     force = np.zeros(6)
-    buoyancy.add_compression(boat.records.vessel, constants, record, force)
+    buoyancy.add_compression(with_tanks(boat.records.vessel, constants), record, force)
     surfaced.add_waterplane(boat.records.vessel, new_scratch(), record, force)
     return force
 
@@ -772,21 +776,20 @@ import hashlib
 from trainer.boat.boat import Boat
 from trainer.core.ballast.ballast import advance_ballast, start_ballast
 from trainer.boat.assemble import Method
-from trainer.boat.assemble import ballast_record
 from trainer.config.vessel import load_vessel
 
 boat = Boat(load_vessel("bb2"), Method("full", "lagged", "exact", "adams2", 0.5))
 vessel, state = boat.records.vessel, boat.records.state
-s, constants = boat.state, ballast_record(boat.file)
+s = boat.state
 s.z = 120.0
-start_ballast(vessel, constants, state)
+start_ballast(vessel, state)
 for k in range(240):
     s.z, s.theta, s.phi = 120.0 - 0.5 * k, 0.002 * k, 0.001 * k
     s.blow[:], s.vent[:3] = (2.0, 0.0) if k < 100 else (0.0, 1.0)
     s.breach_aft = 0.01 if k < 50 else 0.0
     s.hover, s.ordered_depth, s.negative_flood = 1.0, 100.0, 1.0
     s.move_trim, s.drained, s.compressor = 500.0 - k, 3.0, 1.0
-    advance_ballast(vessel, constants, 0.5, state)
+    advance_ballast(vessel, 0.5, state)
 print(hashlib.sha256(state.tobytes()).hexdigest(), s.weight)
 """
 

@@ -170,7 +170,7 @@ def gained_buoyancy(kept: tuple[str, ...], z: float, side: float = 1.0) -> np.nd
     boat.vessel.compressibility = 2000.0
     boat.state.z, boat.state.phi, boat.state.theta = z, side * 0.1, 0.2
     force = np.zeros(6)
-    add_compression(boat.records.vessel, boat.records.vessel, boat.records.state, force)
+    add_compression(boat.records.vessel, boat.records.state, force)
     add_waterplane(boat.records.vessel, boat.records.scratch, boat.records.state, force)
     return force
 

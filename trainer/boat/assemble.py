@@ -31,19 +31,7 @@ PRISMATIC: Final = 0.75  # [-] fullness of a hull whose file gives no breadth
 def ballast_record(file: VesselFile) -> Record:
     """Return the constants of the boat's tanks; a boat without the table has none."""
     record = new_ballast()
-    _write_hull(file, record)
-    if file.ballast is None:
-        return record
-    record["fitted"] = 1.0
-    _write_tanks(file.ballast, file.fluid.rho, record)
-    _write_air(file.ballast, record)
-    _write_pumps(file.ballast, record)
-    _write_sea(file.ballast.sea, record)
-    return record
-
-
-def _write_hull(file: VesselFile, record: Record) -> None:
-    """Write the circle that emerges at the surface: keel to deck, or as the displacement is."""
+    # write the circle that emerges at the surface: keel to deck, or as the displacement is
     hull = file.hull
     volume = hull.buoyancy / (file.fluid.rho * file.fluid.g)
     diameter = math.sqrt(4.0 * volume / (math.pi * PRISMATIC * hull.length))
@@ -56,6 +44,19 @@ def _write_hull(file: VesselFile, record: Record) -> None:
     for i in range(STATIONS):
         record["station_x"][0, i] = hull.cb[0] + STATION_PLACES[i] * hull.length
         record["station_share"][0, i] = STATION_SHARES[i]
+    if file.ballast is None:
+        return record
+    record["fitted"] = 1.0
+    _write_tanks(file.ballast, file.fluid.rho, record)
+    _write_air(file.ballast, record)
+    # write the pumps and how the boat hovers
+    pumps = file.ballast.pumps
+    record["pump_rate"][0] = [pumps.trim_kg_s, pumps.drain_kg_s, pumps.depth_control_kg_s]
+    record["shutoff_depth"] = pumps.shutoff_depth_m
+    record["hover_frequency"] = file.ballast.hover.frequency_rad_s
+    record["hover_rate"] = file.ballast.hover.depth_rate_m_s
+    _write_sea(file.ballast.sea, record)
+    return record
 
 
 def _write_tanks(ballast: Ballast, rho: float, record: Record) -> None:
@@ -89,15 +90,6 @@ def _write_air(ballast: Ballast, record: Record) -> None:
         place = BANKS.index(row.name)
         record["bank_volume"][0, place] = row.volume_m3
         record["bank_full"][0, place] = row.pressure_mpa * 1e6 * row.volume_m3 / gas
-
-
-def _write_pumps(ballast: Ballast, record: Record) -> None:
-    """Write the pumps and how the boat hovers."""
-    pumps = ballast.pumps
-    record["pump_rate"][0] = [pumps.trim_kg_s, pumps.drain_kg_s, pumps.depth_control_kg_s]
-    record["shutoff_depth"] = pumps.shutoff_depth_m
-    record["hover_frequency"] = ballast.hover.frequency_rad_s
-    record["hover_rate"] = ballast.hover.depth_rate_m_s
 
 
 def _write_sea(sea: Sea, record: Record) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.boat.boat import Boat
+from trainer.boat.crew_orders import beyond
 from trainer.core.ballast.ballast import balance
 from trainer.core.ballast.hover import SURE, WAY, is_hovering, wanted_pump
 from trainer.core.ballast.tanks import (
@@ -102,10 +103,6 @@ def _negative(boat: Boat, order: Order) -> Reply:
     return f"negative tank {'flooding' if flooding else 'being blown'}"
 
 
-def _flood(boat: Boat, order: Order) -> Reply:
-    return _move(boat, order, 1.0)
-
-
 def _pump(boat: Boat, order: Order) -> Reply:
     if order.word.startswith("trim"):
         boat.state.move_trim = order.value if order.word == "trim_forward" else -order.value
@@ -156,11 +153,8 @@ def _hover(boat: Boat, order: Order) -> Reply:
         s.hover = s.move_depth_control = 0.0
         return "hovering off"
     depth = float(s.z) if order.word else order.value
-    deepest = boat.file.hull.max_depth_m
-    if deepest is not None and not order.word and depth > deepest:
-        return Refused(f"this boat's greatest depth is {deepest:g} m, not {depth:g} m")
-    refusal = cannot_hover(boat, depth)
-    if refusal:
+    too_deep = None if order.word else beyond(boat, "depth", depth)
+    if refusal := too_deep or cannot_hover(boat, depth):
         return refusal
     s.hover, s.hover_lost, s.ascent = 1.0, 0.0, 0.0
     s.ordered_depth = depth
@@ -215,7 +209,7 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "emergency": _emergency,
     "vent": _vent,
     "negative": _negative,
-    "flood": _flood,
+    "flood": lambda boat, order: _move(boat, order, 1.0),
     "pump": _pump,
     "drain": _drain,
     "compressor": _compressor,
@@ -287,5 +281,5 @@ def put_out_of_trim(boat: Boat, heavy: float, forward: float) -> str:
             tank, held = name.replace("_", " "), boat.vessel.capacity[place] / 1000.0
             return f"in trim the {tank} tank would hold {right / 1000.0:g} t of {held:g}"
         boat.vessel.start[place] = right
-    balance(boat.records.vessel, boat.records.vessel, boat.records.state)
+    balance(boat.records.vessel, boat.records.state)
     return ""

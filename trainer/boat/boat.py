@@ -24,6 +24,7 @@ from trainer.core.sea.sea import order_sea
 from trainer.core.soundings import sound
 from trainer.core.start import level_flight, set_out
 from trainer.core.state import STATE
+from trainer.core.surfaces import SURFACES
 from trainer.core.update import WATCHED, update
 from trainer.units import KNOT
 
@@ -35,26 +36,6 @@ TICK = PLACES["tick"]
 def _places(names: tuple[str, ...]) -> "itemgetter[Any]":
     """Return what takes the named places from plain numbers; ``t`` is the tick until it is told."""
     return itemgetter(*(TICK if name == "t" else PLACES[name] for name in names))
-
-
-def _senses(file: VesselFile) -> dict[str, float]:
-    """Return the sign of a deflection that turns right or makes the boat rise, 0 without effect.
-
-    Plane signs are carried by the coefficients: rudder by its yawing moment, stern planes by
-    their pitching moment, bow planes by their lift.
-    """
-    effects = {
-        "rudder": file.coefficients["N_dr"],
-        "stern": file.coefficients["M_ds"],
-        "bow": -file.coefficients["Z_db"],
-    }
-    return {name: math.copysign(1.0, effect) if effect else 0.0 for name, effect in effects.items()}
-
-
-def _reach(vessel: np.void) -> float:
-    """Return how far [m] from the origin the sail's top and the ends of the deck are, at most."""
-    deck = math.hypot(DECK_REACH * vessel["ell"], vessel["z_deck"])
-    return max(deck, math.hypot(vessel["x_sail"], vessel["z_sail"]))
 
 
 class Boat:
@@ -72,14 +53,26 @@ class Boat:
         self.state = self.records.state[0]
         whole: Any = self.records.state.view(np.uint8)
         self.plain = memoryview(whole).cast("d")
-        self.reach = _reach(self.vessel)
-        self.toward = _senses(file)
+        # how far [m] from the origin the sail's top and the ends of the deck are, at most
+        deck = math.hypot(DECK_REACH * self.vessel["ell"], self.vessel["z_deck"])
+        self.reach = max(deck, math.hypot(self.vessel["x_sail"], self.vessel["z_sail"]))
+        # The sign of a deflection that turns right or makes the boat rise, 0 without effect. The
+        # coefficients carry it: rudder by yawing moment, stern planes by pitching moment, bow by
+        # lift.
+        effects = {
+            "rudder": file.coefficients["N_dr"],
+            "stern": file.coefficients["M_ds"],
+            "bow": -file.coefficients["Z_db"],
+        }
+        self.toward = {
+            name: math.copysign(1.0, effect) if effect else 0.0 for name, effect in effects.items()
+        }
         self.sea = load_sea("calm")
         self.casualties = load_casualties()
         self.world = World()
         self.chart: Numbers | None = None  # of the ground, as core.soundings has it
         self._fillings = self.vessel.start.copy()  # [kg] at which the vessel file's weight holds
-        start_ballast(self.records.vessel, self.records.vessel, self.records.state)
+        start_ballast(self.records.vessel, self.records.state)
 
     @property
     def time(self) -> float:
@@ -95,6 +88,10 @@ class Boat:
     def automatic(self) -> bool:
         """Return whether the vessel file gives autopilot gains."""
         return bool(self.vessel.gain_count > 0.0)
+
+    def carries(self, surface: str) -> bool:
+        """Return whether the boat has that surface, and it does something."""
+        return bool(self.toward[surface] and self.vessel[f"limit_{SURFACES[surface]}"])
 
     def trimmed(self, speed: float) -> bool:
         """Bring the state into level flight at ``speed`` [m/s]; return whether it can be."""

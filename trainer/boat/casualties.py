@@ -144,30 +144,23 @@ def describe(boat: Boat, kind: str, amount: float) -> str:
     what, _, how = kind.rpartition("-")
     surface = kind.partition("-")[0]
     if surface in SURFACES and kind.endswith(("-hard-over", "-stuck")):
-        return _angle(surface, amount * boat.toward[surface])
+        # an angle [rad] of a surface with its side, right and rise positive
+        angle = amount * boat.toward[surface]
+        size = round(math.degrees(angle), 1) + 0.0
+        return f"{abs(size):g} deg{f' {SIDES[surface][size < 0.0]}' if size else ''}"
     if what in GAUGE_UNITS:
-        return _misreading(what, how, amount)
+        # what is wrong with a gauge, in its unit
+        unit, size = GAUGE_UNITS[what]
+        shown = amount / size
+        if how == "noisy":
+            return f"{shown:.3g} {unit} of noise"
+        if how == "stuck":
+            return f"at {shown % 360.0 if unit == 'deg' else shown:.1f} {unit}"
+        return f"reads {abs(shown):.3g} {unit} too {'little' if shown < 0.0 else 'much'}"
     if kind.startswith(("leak-", "flooding-")):
         return f"hole {1e4 * amount:.3g} cm2"
     share = next((s for end, s in SHARES.items() if kind.startswith(end) or kind.endswith(end)), "")
     return f"{100.0 * amount:.3g} % {share}" if share else ""
-
-
-def _angle(surface: str, angle: float) -> str:
-    """Return an angle [rad] of a surface with its side, right and rise positive."""
-    size = round(math.degrees(angle), 1) + 0.0
-    return f"{abs(size):g} deg{f' {SIDES[surface][size < 0.0]}' if size else ''}"
-
-
-def _misreading(gauge: str, how: str, amount: float) -> str:
-    """Return what is wrong with a gauge, in its unit."""
-    unit, size = GAUGE_UNITS[gauge]
-    shown = amount / size
-    if how == "noisy":
-        return f"{shown:.3g} {unit} of noise"
-    if how == "stuck":
-        return f"at {shown % 360.0 if unit == 'deg' else shown:.1f} {unit}"
-    return f"reads {abs(shown):.3g} {unit} too {'little' if shown < 0.0 else 'much'}"
 
 
 def listing(boat: Boat) -> list[str]:
@@ -225,7 +218,11 @@ def arm(boat: Boat, condition: Condition, casualty: Casualty, rule: str = "once"
     if not unarmed:
         raise ConfigError(where.problem(f"more than {m.trigger_kind.size} triggers"))
     i = unarmed[0]
-    factor = _factor(boat, condition)
+    # what turns the threshold [SI] into that of the place in the state
+    factor = scale_of(boat, condition.quantity)
+    if factor == 0.0:
+        told = f"condition {condition.text!r}: {boat.file.path.name} has no {condition.quantity}"
+        raise ConfigError(condition.place.problem(told))
     m.trigger_place[i] = PLACES[QUANTITIES[condition.quantity].place]
     m.trigger_sense[i] = condition.sense * math.copysign(1.0, factor)
     m.trigger_threshold[i] = _whole(condition.threshold * factor)
@@ -255,18 +252,6 @@ def _whole(value: float) -> float:
     """Return ``value``, or the whole number that rounding has kept it from."""
     nearest_whole = float(round(value))
     return nearest_whole if abs(value - nearest_whole) < 1e-9 * max(abs(value), 1.0) else value
-
-
-def _factor(boat: Boat, condition: Condition) -> float:
-    """Return what turns the threshold [SI] into that of the place in the state.
-
-    ConfigError if the boat lacks what it is about.
-    """
-    factor = scale_of(boat, condition.quantity)
-    if factor == 0.0:
-        told = f"condition {condition.text!r}: {boat.file.path.name} has no {condition.quantity}"
-        raise ConfigError(condition.place.problem(told))
-    return factor
 
 
 def scale_of(boat: Boat, quantity: str) -> float:
@@ -324,7 +309,7 @@ def _carries(boat: Boat, kind: str) -> bool:
     what, _, rest = kind.partition("-")
     part = rest.rsplit("-", 1)[0].replace("-", "_")
     if what in SURFACES:
-        return bool(boat.toward[what]) and bool(c.limit[tuple(SURFACES).index(what)])
+        return boat.carries(what)
     parts = {
         "pump": (c.pump_rate, PUMPS, part),
         "bank": (c.bank_volume, BANKS, part),

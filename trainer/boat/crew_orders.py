@@ -63,8 +63,11 @@ def order_crew(boat: Boat, order: Order) -> Reply:
     if what == "course":
         return _order_course(boat, order.value, more)
     if what == "periscope":
-        return _order_periscope(boat)
-    return _beyond(boat, what, order.value) or _order_amount(boat, what, order)
+        depth = boat.file.run.periscope_depth_m
+        if depth is None:
+            return Refused(f"{boat.file.path.name} gives no [run] periscope_depth_m: order a depth")
+        return _stand(boat, "depth", depth)
+    return beyond(boat, what, order.value) or _order_amount(boat, what, order)
 
 
 def _order_amount(boat: Boat, what: str, order: Order) -> str:
@@ -72,14 +75,6 @@ def _order_amount(boat: Boat, what: str, order: Order) -> str:
     if what == "depth":
         return _stand(boat, what, order.value, FOOT if order.text.endswith("ft") else 1.0)
     return _stand(boat, what, -order.value if order.word.endswith("down") else order.value)
-
-
-def _order_periscope(boat: Boat) -> Reply:
-    """Let the boat's own periscope depth stand."""
-    depth = boat.file.run.periscope_depth_m
-    if depth is None:
-        return Refused(f"{boat.file.path.name} gives no [run] periscope_depth_m: order a depth")
-    return _stand(boat, "depth", depth)
 
 
 def _order_course(boat: Boat, course: float, way: str) -> str:
@@ -95,8 +90,8 @@ def _order_course(boat: Boat, course: float, way: str) -> str:
     return _stand(boat, "course", heading + change)
 
 
-def _beyond(boat: Boat, what: str, value: float) -> Refused | None:
-    """Return why the crew cannot be ordered so, None where it can."""
+def beyond(boat: Boat, what: str, value: float) -> Refused | None:
+    """Return why a depth or a speed cannot be ordered, None where it can."""
     deepest = boat.file.hull.max_depth_m
     if what == "depth" and deepest is not None and value > deepest:
         return Refused(f"this boat's greatest depth is {deepest:g} m, not {value:g} m")

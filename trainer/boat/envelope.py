@@ -51,7 +51,17 @@ def write_envelope(file: VesselFile, vessels: Record) -> None:
         vessels["lateral"][:, way] = dissipative(lateral, (1.0, length, length))[0]
         vessels["vertical"][:, way] = dissipative(vertical, (1.0, length))[0]
     _write_strips(file, vessels)
-    _write_planes(file, vessels)
+    # write how rudder, stern and bow planes stall, work astern, and what they cost
+    said = file.envelope
+    vessels["stall_ahead"] = np.radians(said.stall_deg or NEVER)
+    vessels["stall_slope"] = said.stall_slope or (0.0, 0.0, 0.0)
+    vessels["stall_astern"] = np.radians(said.stall_astern_deg or STALL_ASTERN)
+    vessels["astern_effect"] = _or(said.plane_effect_astern, ASTERN_EFFECT)
+    lifts = np.stack([vessels["Y_dr"], vessels["Z_ds"], vessels["Z_db"]], axis=1)
+    arms = np.stack([vessels["N_dr"], -vessels["M_ds"], -vessels["M_db"]], axis=1)
+    drags = np.stack([vessels["X_drdr"], vessels["X_dsds"], vessels["X_dbdb"]], axis=1)
+    vessels["stall_arm"] = np.divide(arms, lifts, out=np.zeros_like(arms), where=lifts != 0.0)
+    vessels["plane_drag"] = np.minimum(drags, -LEAST_INDUCED * abs(lifts))
     vessels["stiffness"] = _stiffness(vessels)
     area = 0.5 * file.fluid.rho * length**2
     for i, row in enumerate(file.thrust.astern):
@@ -168,20 +178,6 @@ def _write_strips(file: VesselFile, c: Record) -> None:
     c["sail_height"] = np.maximum(c["z_deck"] - c["z_sail"], 0.0)
     c["roll_damping"] = np.minimum(c["K_p"], 0.0)
     c["roll_drag"] = np.minimum(c["K_pap"] + sail * abs(c["strip_z"]) ** 3, 0.0)
-
-
-def _write_planes(file: VesselFile, c: Record) -> None:
-    """Write how rudder, stern and bow planes stall, work astern, and what they cost."""
-    said = file.envelope
-    c["stall_ahead"] = np.radians(said.stall_deg or NEVER)
-    c["stall_slope"] = said.stall_slope or (0.0, 0.0, 0.0)
-    c["stall_astern"] = np.radians(said.stall_astern_deg or STALL_ASTERN)
-    c["astern_effect"] = _or(said.plane_effect_astern, ASTERN_EFFECT)
-    lifts = np.stack([c["Y_dr"], c["Z_ds"], c["Z_db"]], axis=1)
-    arms = np.stack([c["N_dr"], -c["M_ds"], -c["M_db"]], axis=1)
-    drags = np.stack([c["X_drdr"], c["X_dsds"], c["X_dbdb"]], axis=1)
-    c["stall_arm"] = np.divide(arms, lifts, out=np.zeros_like(arms), where=lifts != 0.0)
-    c["plane_drag"] = np.minimum(drags, -LEAST_INDUCED * abs(lifts))
 
 
 def _stiffness(c: Record) -> Numbers:

@@ -22,17 +22,16 @@ SWINGING = math.radians(0.02)  # [rad/s] of yaw, below which there is nothing to
 MEETING = math.radians(10.0)  # [rad] of rudder that meets a swing, unless more is on
 NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
 
+# what the autopilot alone can do; a depth that no boat of this kind keeps is refused first
+AUTOPILOTS = frozenset({"course", "course-to", "course-by", "speed", "autopilot", "trim"})
 LEVER = {"stern": 0.6, "bow": 1.0}  # the share of one lever's angle that each pair of planes has
 
 
 def obey(boat: Boat, order: Order) -> Reply:
     """Carry ``order`` out; return what now holds, or why it was refused."""
+    if order.name in AUTOPILOTS and not boat.automatic:
+        return _without_autopilot(boat)
     return _DUTIES[order.name](boat, order)
-
-
-def _carries(boat: Boat, surface: str) -> bool:
-    """Return whether the boat has that surface, and it does something."""
-    return bool(boat.toward[surface]) and bool(boat.vessel[f"limit_{SURFACES[surface]}"])
 
 
 def _without_autopilot(boat: Boat) -> Refused:
@@ -51,7 +50,7 @@ def _surface(boat: Boat, order: Order) -> Reply:
     """Put a surface to an angle or in hand, or give it to the autopilot."""
     sign = boat.toward[order.name]
     limit = float(boat.vessel[f"limit_{SURFACES[order.name]}"])
-    if not _carries(boat, order.name):
+    if not boat.carries(order.name):
         return Refused(f"this boat has no {NAMES[order.name]}")
     if order.word == "auto":
         return _automatic(boat, order.name)
@@ -106,7 +105,7 @@ def _automatic(boat: Boat, *surfaces: str) -> Reply:
     if not boat.automatic:
         return _without_autopilot(boat)
     s = boat.state
-    given = [surface for surface in surfaces if _carries(boat, surface)]
+    given = [surface for surface in surfaces if boat.carries(surface)]
     for surface in given:
         s[f"{surface}_by_hand"] = 0.0
     if "rudder" in given:
@@ -128,7 +127,7 @@ def _planes(boat: Boat, order: Order) -> Reply:
 
 def _lever(boat: Boat, order: Order) -> Reply:
     """Both pairs of planes by hand, by one lever. The boat's limits hold."""
-    carried = [surface for surface in LEVER if _carries(boat, surface)]
+    carried = [surface for surface in LEVER if boat.carries(surface)]
     if not carried:
         return Refused("this boat has no planes")
     for surface in carried:
@@ -140,9 +139,8 @@ def _lever(boat: Boat, order: Order) -> Reply:
 
 def _depth(boat: Boat, order: Order) -> Reply:
     """Keep a depth, with both pairs of planes automatic."""
-    deepest = boat.file.hull.max_depth_m
-    if order.word != "auto" and deepest is not None and order.value > deepest:
-        return Refused(f"this boat's greatest depth is {deepest:g} m, not {order.value:g} m")
+    if order.word != "auto" and (refusal := crew_orders.beyond(boat, "depth", order.value)):
+        return refusal
     if not boat.automatic:
         return _without_autopilot(boat)
     if order.word != "auto" and boat.state.hover:
@@ -166,8 +164,6 @@ def _periscope(boat: Boat, order: Order) -> Reply:
 
 def _course(boat: Boat, order: Order) -> Reply:
     """Keep a course, turning the short way, with the rudder automatic."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     s = boat.state
     _automatic(boat, "rudder")
     if order.word == "steady":
@@ -179,8 +175,6 @@ def _course(boat: Boat, order: Order) -> Reply:
 
 def _course_to(boat: Boat, order: Order) -> Reply:
     """Keep a course, turning the way ordered, with the rudder automatic."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     side = -1.0 if order.text.startswith("course left") else 1.0
     start = boat.state.psi
     _automatic(boat, "rudder")
@@ -191,8 +185,6 @@ def _course_to(boat: Boat, order: Order) -> Reply:
 
 def _course_by(boat: Boat, order: Order) -> Reply:
     """Change the course kept, or the heading if the rudder is by hand, the way ordered."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     s = boat.state
     # by hand it is the compass that the change starts from
     start = casualties.readings(boat).heading if s.rudder_by_hand else s.ordered_psi
@@ -208,15 +200,10 @@ def _degrees(angle: float) -> str:
 
 def _speed(boat: Boat, order: Order) -> Reply:
     """Keep a speed; the propeller answers like an engine order."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     s = boat.state
     if order.word != "auto":
-        if order.value > boat.vessel.u_c_ahead + 1e-9:
-            return Refused(
-                f"this boat's greatest speed is {boat.vessel.u_c_ahead / KNOT:g} kn, "
-                f"not {order.value / KNOT:g}"
-            )
+        if refusal := crew_orders.beyond(boat, "speed", order.value):
+            return refusal
         s.ordered_speed = order.value
     s.speed_by_hand = 0.0
     return f"keeping speed {s.ordered_speed / KNOT:g} kn"
@@ -236,14 +223,6 @@ def _revolutions(boat: Boat, u_c: float, said: str) -> Reply:
     return f"{said}turns for {u_c / KNOT:.3g} kn"
 
 
-def _turns(boat: Boat, order: Order) -> Reply:
-    return _revolutions(boat, order.value, "")
-
-
-def _rpm(boat: Boat, order: Order) -> Reply:
-    return _revolutions(boat, order.value / boat.file.propulsion.rps_per_mps, f"{order.text}: ")
-
-
 def _bell(boat: Boat, order: Order) -> Reply:
     if order.word == "stop":
         return _revolutions(boat, 0.0, f"{order.text}: ")
@@ -256,8 +235,6 @@ def _bell(boat: Boat, order: Order) -> Reply:
 
 def _autopilot(boat: Boat, order: Order) -> Reply:
     """Everything automatic or by hand, or another law of depth keeping."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     s = boat.state
     if order.word in LAWS:
         s.depth_law, law = LAWS[order.word]
@@ -274,35 +251,21 @@ def _autopilot(boat: Boat, order: Order) -> Reply:
 
 def _trim(boat: Boat, order: Order) -> Reply:
     """Leave trim to the pumps and what the planes show, or to hands."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
     boat.state.trim_by_hand = float(order.word == "manual")
     return "trim by hand" if order.word == "manual" else "trim automatic, in steady level flight"
 
 
-def _casualty(boat: Boat, order: Order) -> Reply:
-    """Let something break."""
-    return casualties.insert(boat, *casualties.ordered(order))
-
-
-def _clear(boat: Boat, order: Order) -> Reply:
-    return casualties.clear(boat, order.subject)
-
-
-def _world(boat: Boat, order: Order) -> Reply:
-    """Change the world around the boat from the next tick on."""
-    return boat.world.obey(order, boat.ticks)
-
-
 _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
-    **dict.fromkeys(PARTS, _world),
+    **dict.fromkeys(PARTS, lambda boat, order: boat.world.obey(order, boat.ticks)),
     "depth": _depth,
     "course": _course,
     "course-by": _course_by,
     "course-to": _course_to,
     "speed": _speed,
-    "turns": _turns,
-    "rpm": _rpm,
+    "turns": lambda boat, order: _revolutions(boat, order.value, ""),
+    "rpm": lambda boat, order: _revolutions(
+        boat, order.value / boat.file.propulsion.rps_per_mps, f"{order.text}: "
+    ),
     "bell": _bell,
     "rudder": _surface,
     "stern": _surface,
@@ -314,8 +277,8 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "trim": _trim,
     "order": crew_orders.order_crew,
     "sea": order_sea,
-    "casualty": _casualty,
-    "clear": _clear,
+    "casualty": lambda boat, order: casualties.insert(boat, *casualties.ordered(order)),
+    "clear": lambda boat, order: casualties.clear(boat, order.subject),
     "hold": sea_orders.hold,
     "release": sea_orders.release,
     **dict.fromkeys(ballast_orders.ORDERS, ballast_orders.order_ballast),

@@ -22,7 +22,11 @@ def order_sea(boat: Boat, order: Order) -> Reply:
     elif order.word == "calm":
         wanted[HEIGHT] = 0.0
     else:
-        _raise(wanted, fully_developed(boat.sea.sea, order.word, order.value), boat.vessel.g)
+        # write height, period and peakedness of ``sea``
+        sea = fully_developed(boat.sea.sea, order.word, order.value)
+        wanted[HEIGHT] = significant_height(sea, boat.vessel.g)
+        wanted[OMEGA] = peak_frequency(sea, boat.vessel.g)
+        wanted[GAMMA], wanted[PEAKED] = 1.0, 0.0
     if problem := step_problem(wanted, boat.method.step):
         return Refused(problem)
     boat.order_sea(wanted, boat.sea.sea.ramp_s)
@@ -51,13 +55,6 @@ def fully_developed(sea: Sea, measure: str, value: float) -> Sea:
         spectrum="pierson-moskowitz",
     )
     return replace(bare, **measures[measure])  # type: ignore[arg-type]  # all of them numbers
-
-
-def _raise(wanted: Numbers, sea: Sea, g: float) -> None:
-    """Write height, period and peakedness of ``sea``."""
-    wanted[HEIGHT] = significant_height(sea, g)
-    wanted[OMEGA] = peak_frequency(sea, g)
-    wanted[GAMMA], wanted[PEAKED] = 1.0, 0.0
 
 
 def sea_text(quantities: Numbers) -> str:

@@ -6,7 +6,7 @@ by the boat's own nature is never the step's fault.
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -27,8 +27,6 @@ FURTHEST = 30.0  # [-] |h lambda| beyond which no explicit method of four cycles
 SHORTEST, LONGEST = 1e-3, 128.0  # [s] steps looked at
 HALVINGS = 20
 MOST = 300.0  # [-] exponent beyond which growth is simply large
-
-Growth = Callable[[NDArray[np.complex128]], NDArray[np.float64]]
 
 
 class Step(NamedTuple):

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import click
 
+from trainer.cli.options import together
 from trainer.cli.types import File
 
 
@@ -26,23 +27,15 @@ class Number(click.FloatRange):
 AHEAD: Final = Number(0.0, 60.0, min_open=True)  # [kn]
 SPEED: Final = Number(0.0, 60.0)  # [kn] rest included
 PLOT: Final = File(".png", ".svg", ".pdf", dir_okay=False)
-OUTPUTS: Final = [
+outputs = together(  # how the answer is shown
     click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON."),
     click.option(
         "--plot",
         type=PLOT,
-        default=None,
         metavar="FILE",
         help="Draw a plot, .png, .svg or .pdf by the name's ending.",
     ),
-]
-
-
-def outputs(command: Any) -> Any:
-    """Add the options that say how the answer is shown."""
-    for option in reversed(OUTPUTS):
-        command = option(command)
-    return command
+)
 
 
 def json_of(value: Any) -> str:

@@ -10,7 +10,6 @@ from trainer.cli.options import VESSEL, VESSEL_HELP
 @click.option(
     "--seconds",
     type=click.IntRange(1, 3600),
-    default=None,
     help="Of real time for each step, recorded and not, and for the orders over TCP; --latency "
     "gives four in each. [default: 10; 60 for --web]",
 )

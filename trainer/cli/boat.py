@@ -246,14 +246,9 @@ class Boat:
         step = self._boat.method.step
         with self._alone():
             journal = self._journal()
+        told = ("who", "text", "accepted", "answer")
         return [
-            {
-                "t": each.tick * step,
-                "who": each.who,
-                "text": each.text,
-                "accepted": each.accepted,
-                "answer": each.answer,
-            }
+            {"t": each.tick * step, **{name: getattr(each, name) for name in told}}
             for each in journal
         ]
 

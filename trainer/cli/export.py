@@ -15,6 +15,8 @@ from trainer.cli.options import (
     VESSEL_HELP,
     method_options,
     run_options,
+    sea_option,
+    seed_option,
     together,
 )
 from trainer.session.options import RunOptions
@@ -24,28 +26,11 @@ CPUS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32")
 boat_options = together(
     click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP),
     method_options,
-    click.option(
-        "--integrator",
-        default="adams2",
-        show_default=True,
-        help="As for trainer run.",
-    ),
-    click.option("--step", type=float, default=None, help="Step in s. [default: the vessel's]"),
+    click.option("--integrator", default="adams2", show_default=True, help="As for trainer run."),
+    click.option("--step", type=float, help="Step in s. [default: the vessel's]"),
     click.option("--unsafe-step", is_flag=True, help="Export even where the step is not stable."),
-    click.option(
-        "--sea",
-        type=SEA,
-        default="calm",
-        metavar="NAME|PATH",
-        help="Of the start. [default: calm]",
-    ),
-    click.option(
-        "--seed",
-        type=click.IntRange(0, 2**53 - 1),
-        default=1,
-        show_default=True,
-        help="Seed of all random numbers.",
-    ),
+    sea_option("Of the start. [default: calm]", "calm"),
+    seed_option("Seed of all random numbers."),
 )
 
 
@@ -109,12 +94,10 @@ STATIONS = ("instructor", "pilot", "helm", "planes", "ballast", "diving", "obser
 
 @click.command(name="export-page")
 @click.argument("file", type=FILE)
-@click.option("--vessel", type=VESSEL, default=None, help=f"{VESSEL_HELP} [default: bb2]")
-@click.option("--sea", type=SEA, default=None, metavar="NAME|PATH", help="[default: calm]")
-@click.option("--seed", type=click.IntRange(0, 2**53 - 1), default=None, help="[default: 1]")
-@click.option(
-    "--recording", type=RECORDING, default=None, help="What was flown, to be seen and taken over."
-)
+@click.option("--vessel", type=VESSEL, help=f"{VESSEL_HELP} [default: bb2]")
+@click.option("--sea", type=SEA, metavar="NAME|PATH", help="[default: calm]")
+@click.option("--seed", type=click.IntRange(0, 2**53 - 1), help="[default: 1]")
+@click.option("--recording", type=RECORDING, help="What was flown, to be seen and taken over.")
 @click.option(
     "--station",
     type=click.Choice(STATIONS),

@@ -10,14 +10,23 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from trainer.cli import ships
-from trainer.cli.answers import AHEAD, Number, bar, json_of, outputs, show
-from trainer.cli.options import CSV, HTML, PDF, SEA, VESSEL, options_given, record_of, together
+from trainer.cli.answers import AHEAD, Number, bar, json_of, outputs, show, write_text
+from trainer.cli.options import (
+    CSV,
+    HTML,
+    PDF,
+    VESSEL,
+    cores_option,
+    options_given,
+    record_of,
+    sea_option,
+    seed_option,
+    together,
+)
 from trainer.cli.types import File, Word
 from trainer.config.words import EQUATIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from trainer.analysis.manoeuvres.flight import Flight
     from trainer.analysis.manoeuvres.page import ManoeuvreOptions, Report
 
@@ -34,11 +43,10 @@ NAMES: Final = (  # of analysis.manoeuvres.catalogue, which would load the core
 ANGLE: Final = Number(0.0, 90.0)
 SECONDS: Final = Number(1.0, 1e5)
 PARAMETERS: Final = together(
-    click.option("--angle", type=ANGLE, default=None, help="Of the control, in degrees."),
+    click.option("--angle", type=ANGLE, help="Of the control, in degrees."),
     click.option(
         "--side",
         type=click.Choice(("starboard", "port")),
-        default=None,
         help="Where a turn goes, or a zig-zag or spiral goes first. [default: starboard]",
     ),
     click.option("--rise", "direction", flag_value="rise", help="Planes to rise, or first."),
@@ -48,28 +56,25 @@ PARAMETERS: Final = together(
         flag_value="dive",
         help="Planes to dive, or first. [default: rise; of trim, dive]",
     ),
-    click.option("--planes", type=ANGLE, default=None, help="Of a climbing turn, in degrees."),
-    click.option("--execute", type=Number(0.0, 180.0), default=None, help="Mark, in degrees."),
-    click.option("--duration", type=SECONDS, default=None, help="In seconds."),
+    click.option("--planes", type=ANGLE, help="Of a climbing turn, in degrees."),
+    click.option("--execute", type=Number(0.0, 180.0), help="Mark, in degrees."),
+    click.option("--duration", type=SECONDS, help="In seconds."),
     click.option(
         "--step-speed",
         type=Number(0.1, 60.0),
-        default=None,
         metavar="KN",
         help="At most, of each step of an acceleration. [default: 5, or a third of the last]",
     ),
-    click.option("--step-time", type=SECONDS, default=None, help="In seconds, of each step."),
+    click.option("--step-time", type=SECONDS, help="In seconds, of each step."),
     click.option(
         "--ahead-speed",
         type=AHEAD,
-        default=None,
         metavar="KN",
         help="The last that an acceleration orders. [default: full ahead]",
     ),
     click.option(
         "--ahead-time",
         type=SECONDS,
-        default=None,
         help="In seconds, until an utmost acceleration stops. [default: half the duration]",
     ),
 )
@@ -77,24 +82,11 @@ PLACE: Final = together(
     click.option(
         "--depth",
         type=Number(0.0, 12000.0),
-        default=None,
         metavar="M",
         help="To begin at. [default: 1000, where neither hull nor surface sets limits]",
     ),
-    click.option(
-        "--sea",
-        type=SEA,
-        default=None,
-        metavar="NAME|PATH",
-        help="calm, sea-state-1 to sea-state-6, or a file; with --depth.",
-    ),
-    click.option(
-        "--seed",
-        type=click.IntRange(0, 2**53 - 1),
-        default=1,
-        show_default=True,
-        help="Of the sea.",
-    ),
+    sea_option("calm, sea-state-1 to sea-state-6, or a file; with --depth."),
+    seed_option("Of the sea."),
 )
 
 
@@ -102,16 +94,10 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     """Print the manoeuvres and leave."""
     if not value or ctx.resilient_parsing:
         return
-    from trainer.analysis.manoeuvres.catalogue import (
-        MANOEUVRES,
-        format_parameters,
-        parameters,
-    )
+    from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, format_parameters, parameters
     from trainer.report.text import table
 
-    rows = []
-    for name, manoeuvre in MANOEUVRES.items():
-        rows.append((name, format_parameters(parameters(manoeuvre))))
+    rows = [(name, format_parameters(parameters(each))) for name, each in MANOEUVRES.items()]
     click.echo("\n".join(table(("", "degrees and seconds unless told otherwise"), rows, "")))
     ctx.exit()
 
@@ -127,14 +113,14 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     callback=print_list,
     help="Print the manoeuvres and their parameters, and leave.",
 )
-@click.option("--speed", type=AHEAD, default=None, metavar="KN", help="[default: the boat's]")
+@click.option("--speed", type=AHEAD, metavar="KN", help="[default: the boat's]")
 @PARAMETERS
 @PLACE
 @click.option("--equations", type=click.Choice(EQUATIONS), default="full", show_default=True)
-@click.option("--rates", type=click.Choice(("exact", "lagged")), default=None)
+@click.option("--rates", type=click.Choice(("exact", "lagged")))
 @click.option("--trig", type=click.Choice(("exact", "report")), default="exact", show_default=True)
 @click.option("--integrator", default="adams2", show_default=True, help="As for trainer run.")
-@click.option("--step", type=Number(1e-3, 10.0), default=None, help="[default: the boat's]")
+@click.option("--step", type=Number(1e-3, 10.0), help="[default: the boat's]")
 @click.option(
     "--controls",
     type=click.Choice(("own", "once")),
@@ -156,7 +142,7 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     show_default=True,
     help="Of depth keeping, as the order autopilot has them.",
 )
-@click.option("--csv", type=CSV, default=None, metavar="FILE", help="Write the flight, SI, rad.")
+@click.option("--csv", type=CSV, metavar="FILE", help="Write the flight, SI, rad.")
 @outputs
 def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     """Fly a manoeuvre and measure it (CONTR).
@@ -177,19 +163,13 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     report, flight = fly(vessel, name, options)
     if options["csv"]:
         page.write_csv(flight, options["csv"])
-    show(report, _page_of(report), lambda: page.panels(find_manoeuvre(name), flight), options)
+    render: Any = page.render
+    if hasattr(report, "intervals"):
+        from trainer.identify.ships import vehicle
+
+        render = vehicle.render
+    show(report, render, lambda: page.panels(find_manoeuvre(name), flight), options)
     sys.exit(1 if report.lost else 0)
-
-
-def _page_of(report: "Report") -> "Callable[[Any], str]":
-    """Return what renders a report, with its intervals where it has any."""
-    from trainer.analysis.manoeuvres.page import render
-
-    if not hasattr(report, "intervals"):
-        return render
-    from trainer.identify.ships import vehicle
-
-    return vehicle.render
 
 
 def manoeuvre_options(options: dict[str, Any]) -> "ManoeuvreOptions":
@@ -231,12 +211,11 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
 
 @click.command()
 @click.argument("vessel", type=VESSEL)
-@click.option("--html", type=HTML, default=None, metavar="FILE", help="Write one HTML page.")
-@click.option("--pdf", type=PDF, default=None, metavar="FILE", help="Print it by a browser.")
+@click.option("--html", type=HTML, metavar="FILE", help="Write one HTML page.")
+@click.option("--pdf", type=PDF, metavar="FILE", help="Print it by a browser.")
 @click.option(
     "--depth",
     type=Number(0.1, 12000.0),
-    default=None,
     metavar="M",
     help="At which everything begins. [default: deep, some of it near the surface]",
 )
@@ -251,16 +230,10 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
 @click.option(
     "--baseline",
     type=File(".json", ".html"),
-    default=None,
     metavar="FILE",
     help="An earlier guide, JSON or HTML: name what moved since.",
 )
-@click.option(
-    "--cores",
-    type=click.IntRange(1, 256),
-    default=None,
-    help="Processors to use. [default: all]",
-)
+@cores_option
 def guide(vessel: str, **options: Any) -> None:
     """Write the qualification test guide of a boat.
 
@@ -279,9 +252,8 @@ def guide(vessel: str, **options: Any) -> None:
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
-    earlier = None
-    if options["baseline"]:
-        earlier = contents.load_earlier(options["baseline"], file.name)
+    baseline = options["baseline"]
+    earlier = contents.load_earlier(baseline, file.name) if baseline else None
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     choose = legs_of_1969 if options["programme"] == "1969" else legs
     book = write_guide(file, choose(file, options["depth"]), made, options["cores"])
@@ -310,18 +282,13 @@ def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
     """Write the page and print it, where asked for; ConfigError if that cannot be."""
     import tempfile
 
-    from trainer.config.files import ConfigError
-    from trainer.io.atomic_write import write_whole
     from trainer.report.html import print_pdf
 
     if html is None and pdf is None:
         return
     with tempfile.TemporaryDirectory() as folder:
         path = html or Path(folder) / "guide.html"
-        try:
-            write_whole(path, text)
-        except OSError as error:
-            raise ConfigError(f"--html {path}: cannot be written: {error.strerror}") from None
+        write_text(path, text)
         if pdf is not None:
             print_pdf(path, pdf)
 

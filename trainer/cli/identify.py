@@ -91,10 +91,8 @@ strength_option = click.option(
 
 sequence_options = together(
     click.option("--amplitude", type=POSITIVE, default=5.0, show_default=True, help="Degrees."),
-    click.option("--bits", type=click.IntRange(2, 12), default=None, help="Of the register."),
-    click.option(
-        "--hold", type=POSITIVE, default=None, help="Seconds of a bit. [default: T1/3; L/U]"
-    ),
+    click.option("--bits", type=click.IntRange(2, 12), help="Of the register."),
+    click.option("--hold", type=POSITIVE, help="Seconds of a bit. [default: T1/3; L/U]"),
     click.option("--periods", type=click.IntRange(1, 50), default=1, show_default=True),
     click.option("--seed", type=click.IntRange(1, 4095), default=1, show_default=True),
     click.option(
@@ -104,7 +102,7 @@ sequence_options = together(
         show_default=True,
         help="Order rudder angles, or courses that the autopilot steers, near north.",
     ),
-    click.option("--zigzag", type=Angles(), default=None, metavar="HELM/HEADING", help="Instead."),
+    click.option("--zigzag", type=Angles(), metavar="HELM/HEADING", help="Instead."),
     click.option(
         "--seconds", type=POSITIVE, default=600.0, show_default=True, help="Of a zig-zag."
     ),
@@ -121,9 +119,9 @@ sequence_options = together(
     metavar="KN[/KN]",
     help="[default: the vessel's] Of a ship may be repeated; 15/8 has the revolutions of 8 kn.",
 )
-@click.option("--depth", type=POSITIVE, default=None, help="Metres. [default: the vessel's]")
+@click.option("--depth", type=POSITIVE, help="Metres. [default: the vessel's]")
 @sequence_options
-@click.option("--interval", type=POSITIVE, default=None, help="Seconds between samples.")
+@click.option("--interval", type=POSITIVE, help="Seconds between samples.")
 @click.option(
     "--output",
     "outputs",
@@ -140,8 +138,8 @@ sequence_options = together(
     help="Yaw rate that the sea alone makes, rms deg/s.",
 )
 @strength_option
-@click.option("--sea", type=SEA, default=None, metavar="NAME", help="Sea of the exercise written.")
-@click.option("--write", type=TOML, default=None, metavar="FILE", help="Write the exercise.")
+@click.option("--sea", type=SEA, metavar="NAME", help="Sea of the exercise written.")
+@click.option("--write", type=TOML, metavar="FILE", help="Write the exercise.")
 @outputs
 def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     """Design a rudder experiment and say what it will tell.
@@ -221,7 +219,7 @@ def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
 @click.command()
 @click.argument("file", type=TOML)
 @click.option("--smooth", is_flag=True, help="Smooth the track by Spencer's 15 points first.")
-@click.option("--csv", type=CSV, default=None, metavar="FILE", help="Write the track as a record.")
+@click.option("--csv", type=CSV, metavar="FILE", help="Write the track as a record.")
 @outputs
 def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  # noqa: FBT001
     """Lanes to position to sway velocity (DECCON).
@@ -245,13 +243,12 @@ model_options = together(
     click.option(
         "--model",
         type=click.Choice((*MODELS, *ships.MODELS)),
-        default=None,
         help="1 sway and yaw, 2 sway, 3 yaw, Nomoto's, or with speed and --ship the last four. "
         "[default: the study's]",
     ),
-    click.option("--vessel", type=VESSEL, default=None, help=VESSEL_HELP),
-    click.option("--length", type=POSITIVE, default=None, help="Of the ship, metres."),
-    click.option("--at", "knots", type=AHEAD, default=None, help="Speed, knots."),
+    click.option("--vessel", type=VESSEL, help=VESSEL_HELP),
+    click.option("--length", type=POSITIVE, help="Of the ship, metres."),
+    click.option("--at", "knots", type=AHEAD, help="Speed, knots."),
     click.option(
         "--output",
         "channels",
@@ -262,38 +259,35 @@ model_options = together(
     click.option(
         "--noise",
         type=click.Choice(("output-error", "innovations", "covariance")),
-        default=None,
         help="[default: covariance]",
     ),
     click.option(
         "--method",
         type=click.Choice(("scoring", "bfgs", "direct")),
-        default=None,
         help="Minimiser. [default: scoring, by BFGS where it gets no further]",
     ),
     click.option("--exact", is_flag=True, help="Add no sensor noise to a recording's exact state."),
-    click.option("--system", type=SYSTEM, default=None, help="Your own: matrices, or a program."),
+    click.option("--system", type=SYSTEM, help="Your own: matrices, or a program."),
     click.option(
         "--reject",
         type=Number(0.0, 0.5, min_open=True),
-        default=None,
         metavar="P",
         help="Leave samples out that are less probable.",
     ),
-    click.option("--every", type=click.IntRange(1, 1000), default=None, help="Thin the record."),
-    click.option("--from", "begin", type=Number(), default=None, help="First second."),
-    click.option("--to", "end", type=Number(), default=None, help="Last second."),
+    click.option("--every", type=click.IntRange(1, 1000), help="Thin the record."),
+    click.option("--from", "begin", type=Number(), help="First second."),
+    click.option("--to", "end", type=Number(), help="Last second."),
 )
 
 
 of_ships = together(
-    click.option("--ship", type=Name("ships"), default=None, help="For linear to mmg, its file."),
+    click.option("--ship", type=Name("ships"), help="For linear to mmg, its file."),
     strength_option,
     click.option(
         "--predict", type=RECORD, multiple=True, help="A record held back, may be repeated."
     ),
-    click.option("--write-ship", type=TOML, default=None, help="Write the ship; it sails."),
-    click.option("--coefficients", type=CSV, default=None, help="Write them and their covariance."),
+    click.option("--write-ship", type=TOML, help="Write the ship; it sails."),
+    click.option("--coefficients", type=CSV, help="Write them and their covariance."),
 )
 
 
@@ -304,25 +298,24 @@ of_ships = together(
 @click.option("--simulate", is_flag=True, help="Estimate nothing: the model as it starts.")
 @click.option("--data-only", is_flag=True, help="Show and plot the record alone.")
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
-@click.option("--most", type=click.IntRange(1, 10), default=None, help="Highest ARMAX order.")
+@click.option("--most", type=click.IntRange(1, 10), help="Highest ARMAX order.")
 @click.option("--against", type=click.Choice(MODELS), help="Test it against a simpler model.")
 @click.option("--without", multiple=True, metavar="NAME", help="Test it without this parameter.")
-@click.option("--check", type=RECORD, default=None, help="Another record to predict, as a test.")
-@click.option("--kappa", type=RECORD, default=None, help="A record of large manoeuvres, for kappa.")
-@click.option("--bech", type=RECORD, default=None, help="The same, for Bech's H(r), three terms.")
-@click.option("--spiral", type=TURNS, default=None, help="Steady turns, for H(r); times not read.")
+@click.option("--check", type=RECORD, help="Another record to predict, as a test.")
+@click.option("--kappa", type=RECORD, help="A record of large manoeuvres, for kappa.")
+@click.option("--bech", type=RECORD, help="The same, for Bech's H(r), three terms.")
+@click.option("--spiral", type=TURNS, help="Steady turns, for H(r); times not read.")
 @click.option("--joint", is_flag=True, help="K, T1, T2, T3 too from both records, with the curve.")
 @click.option("--matrices", is_flag=True, help="Show the system and covariance matrices.")
-@click.option("--csv", type=CSV, default=None, metavar="FILE", help="Write it sample by sample.")
-@click.option("--checkpoint", type=FILE, default=None, help="Keep the search in this file.")
-@click.option("--write-nomoto", type=TOML, default=None, help="Write the ship in few numbers.")
-@click.option("--write-vessel", type=TOML, default=None, help="Write the vessel file changed.")
-@click.option("--html", type=HTML, default=None, metavar="FILE", help="Write one HTML page.")
+@click.option("--csv", type=CSV, metavar="FILE", help="Write it sample by sample.")
+@click.option("--checkpoint", type=FILE, help="Keep the search in this file.")
+@click.option("--write-nomoto", type=TOML, help="Write the ship in few numbers.")
+@click.option("--write-vessel", type=TOML, help="Write the vessel file changed.")
+@click.option("--html", type=HTML, metavar="FILE", help="Write one HTML page.")
 @click.option(
     "--example",
     is_flag=False,
     flag_value="",
-    default=None,
     metavar="[FOLDER]",
     help="Fit the record shipped as an example; with FOLDER, a copy of it there.",
 )
@@ -371,10 +364,10 @@ def identify(
 @identify.below
 @click.command()
 @click.argument("record", type=File(".csv", ".trainer"))
-@click.option("-o", "--output", type=TOML, default=None, metavar="FILE", help="[default: beside]")
-@click.option("--length", type=POSITIVE, default=None, help="Of the ship, metres.")
-@click.option("--at", "knots", type=AHEAD, default=None, help="Speed, knots.")
-@click.option("--ship", type=TOML, default=None, metavar="FILE", help="A ship's file instead.")
+@click.option("-o", "--output", type=TOML, metavar="FILE", help="[default: beside]")
+@click.option("--length", type=POSITIVE, help="Of the ship, metres.")
+@click.option("--at", "knots", type=AHEAD, help="Speed, knots.")
+@click.option("--ship", type=TOML, metavar="FILE", help="A ship's file instead.")
 def new(
     record: Path,
     output: Path | None,

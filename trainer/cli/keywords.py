@@ -46,20 +46,16 @@ def _words(command: click.Command, name: str, value: object) -> list[str]:
         return []
     option = named[0]
     if option.is_flag:
-        return _flag(named, name, value)
+        # the flag that is typed for a value; nothing for False. ConfigError if none is
+        flags: dict[object, list[str]] = {each.flag_value: [each.opts[0]] for each in named}
+        if named[0].is_bool_flag:
+            flags = {False: [], True: [named[0].opts[0]]}
+        if not isinstance(value, Hashable) or value not in flags:
+            known = ", ".join(map(repr, flags))
+            raise ConfigError(f"Invalid value for {name!r}: {value!r} is not one of {known}.")
+        return flags[value]
     values = value if option.multiple and isinstance(value, list | tuple) else [value]
     return [f"{option.opts[0]}={each}" for each in values]
-
-
-def _flag(options: Sequence[click.Option], name: str, value: object) -> list[str]:
-    """Return the flag that is typed for a value; nothing for False. ConfigError if none is."""
-    flags: dict[object, list[str]] = {each.flag_value: [each.opts[0]] for each in options}
-    if options[0].is_bool_flag:
-        flags = {False: [], True: [options[0].opts[0]]}
-    if not isinstance(value, Hashable) or value not in flags:
-        known = ", ".join(map(repr, flags))
-        raise ConfigError(f"Invalid value for {name!r}: {value!r} is not one of {known}.")
-    return flags[value]
 
 
 def _names(option: click.Option) -> set[str]:

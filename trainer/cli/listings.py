@@ -1,7 +1,8 @@
 """Commands that list what is shipped and sent, and the schemas of files for editors."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
@@ -23,8 +24,6 @@ def exercises(*, as_json: bool) -> None:
     \b
     Example:  trainer exercises
     """
-    import json
-
     from trainer.config.course import course
 
     found = {lesson.name: lesson.title for lesson in course()}
@@ -89,8 +88,6 @@ def seas(*, as_json: bool) -> None:
 
 def print_rows(rows: Mapping[str, Any], lines: list[str], *, as_json: bool) -> None:
     """Print what is listed as JSON, or as lines that fit an ordinary terminal."""
-    import json
-
     shown = [line if len(line) <= WIDTH else f"{line[: WIDTH - 4].rstrip()} ..." for line in lines]
     click.echo(json.dumps(rows, indent=1) if as_json else "\n".join(shown))
 
@@ -108,15 +105,8 @@ def exercise() -> None:
 
 @exercise.command()
 @click.argument("file", type=TOML)
-@click.option("--name", default=None, help="One line for the list.")
-@click.option(
-    "--from",
-    "source",
-    type=EXERCISE,
-    default=None,
-    metavar="EXERCISE",
-    help="Copy a shipped one.",
-)
+@click.option("--name", help="One line for the list.")
+@click.option("--from", "source", type=EXERCISE, metavar="EXERCISE", help="Copy a shipped one.")
 def new(file: Path, name: str | None, source: str | None) -> None:
     """Write a valid exercise with comments, to be changed; never over another file.
 
@@ -174,8 +164,6 @@ def casualties(tables: tuple[Path, ...], *, as_json: bool) -> None:
     \b
     Example:  trainer casualties
     """
-    import json
-
     from trainer.config import casualties as casualties_module
 
     found = casualties_module.load_casualties(*map(str, tables))
@@ -194,8 +182,6 @@ def instruments(*, sample: bool, as_json: bool) -> None:
               trainer run --nmea udp://127.0.0.1:10110
               trainer serve --nmea /dev/ttyUSB0 --nmea-baud 4800 --nmea-sentences HDT,XDR,ROT
     """
-    import json
-
     from trainer.config.vessel import load_vessel
     from trainer.session.nmea import page as nmea_page
 
@@ -209,47 +195,23 @@ def instruments(*, sample: bool, as_json: bool) -> None:
 # The command that gives editors what a file may say.
 
 
-def _of_config(name: str) -> Callable[[], dict[str, Any]]:
-    """Return what makes the schema of a file that a session reads."""
-
-    def make() -> dict[str, Any]:
-        from trainer.config import file_schemas
-
-        made: dict[str, Any] = getattr(file_schemas, f"{name}_schema")()
-        return made
-
-    return make
-
-
-def _study() -> dict[str, Any]:
-    from trainer.analysis.sweep.study import study_schema
-
-    return study_schema()
-
-
-def _identification() -> dict[str, Any]:
-    from trainer.identify.record.study import identification_schema
-
-    return identification_schema()
-
-
-def _ship() -> dict[str, Any]:
-    from trainer.config.ship import ship_schema
-
-    return ship_schema()
-
-
-SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
-    **{name: _of_config(name) for name in ("vessel", "hull", "exercise", "sea", "casualties")},
-    "study": _study,
-    "identification": _identification,
-    "ship": _ship,
+SCHEMAS: Final = {  # the module that makes the schema of a kind of file
+    **dict.fromkeys(("vessel", "hull", "exercise", "sea", "casualties"), "config.file_schemas"),
+    "study": "analysis.sweep.study",
+    "identification": "identify.record.study",
+    "ship": "config.ship",
 }
+
+
+def schema_of(kind: str) -> dict[str, Any]:
+    """Return the JSON Schema of a kind of file."""
+    made: dict[str, Any] = getattr(import_module(f"trainer.{SCHEMAS[kind]}"), f"{kind}_schema")()
+    return made
 
 
 @click.command()
 @click.argument("kind", type=Choice(tuple(SCHEMAS)), metavar="KIND")
-@click.option("-o", "--output", type=FILE, default=None, metavar="FILE", help="Write it there.")
+@click.option("-o", "--output", type=FILE, metavar="FILE", help="Write it there.")
 def schema(kind: str, output: Path | None) -> None:
     """Print the JSON Schema of a kind of file, by which editors complete and underline.
 
@@ -260,7 +222,7 @@ def schema(kind: str, output: Path | None) -> None:
     A study is what `trainer sweep` flies, an identification what `trainer identify` fits, a
     ship what its models linear to mmg take and write.
     """
-    text = json.dumps(SCHEMAS[kind](), indent=1)
+    text = json.dumps(schema_of(kind), indent=1)
     if output is None:
         click.echo(text)
         return

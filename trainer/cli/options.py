@@ -44,18 +44,31 @@ def together(*options: Decorator) -> Decorator:
     return add
 
 
+def sea_option(text: str, default: str | None = None) -> Decorator:
+    """Return the option that chooses a sea."""
+    return click.option("--sea", type=SEA, default=default, metavar="NAME|PATH", help=text)
+
+
+def seed_option(text: str) -> Decorator:
+    """Return the option of what random numbers begin with."""
+    seeds = click.IntRange(0, 2**53 - 1)
+    return click.option("--seed", type=seeds, default=1, show_default=True, help=text)
+
+
+cores_option = click.option(
+    "--cores", type=click.IntRange(1, 256), help="Processors to use. [default: all]"
+)
+
 method_options = together(
     click.option(
         "--equations",
         type=click.Choice(EQUATIONS),
-        default=None,
         help="Full set (1)-(7), compact modified or basic, or the vertical plane alone. "
         "[default: modified; full for a boat without a compact set of its own]",
     ),
     click.option(
         "--rates",
         type=click.Choice(("exact", "lagged")),
-        default=None,
         help="Accelerations by the 6x6 solve, or each from its own equation with last "
         "cycle's. [default: lagged; exact with Runge-Kutta]",
     ),
@@ -71,13 +84,7 @@ method_options = together(
 exercise_options = together(
     click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP),
     method_options,
-    click.option(
-        "--sea",
-        type=SEA,
-        default=None,
-        metavar="NAME|PATH",
-        help="calm, sea-state-1 to sea-state-6, or a file.",
-    ),
+    sea_option("calm, sea-state-1 to sea-state-6, or a file."),
     click.option(
         "--integrator",
         default="adams2",
@@ -88,22 +95,14 @@ exercise_options = together(
     click.option(
         "--step",
         type=float,
-        default=None,
         help="Step in s. [default: the vessel file's, 0.5 for bb2]",
     ),
     click.option("--unsafe-step", is_flag=True, help="Run even where the step is not stable."),
-    click.option(
-        "--seed",
-        type=click.IntRange(0, 2**53 - 1),
-        default=1,
-        show_default=True,
-        help="Seed of all random numbers.",
-    ),
+    seed_option("Seed of all random numbers."),
     click.option(
         "--orders",
         "orders_file",
         type=File(".txt"),
-        default=None,
         help="Scheduled orders, a line each: SECONDS ORDER.",
     ),
 )
@@ -112,7 +111,6 @@ time_options = together(
     click.option(
         "--duration",
         type=Duration(),
-        default=None,
         help="Simulated time: 120, 10m, 1h. [default: until quit]",
     ),
     click.option(
@@ -144,7 +142,6 @@ time_options = together(
         "--csv",
         "csv_path",
         type=CSV,
-        default=None,
         help="Write the state of each tick to this file.",
     ),
 )
@@ -153,7 +150,6 @@ recording_options = together(
     click.option(
         "--record",
         type=RECORDING,
-        default=None,
         help="Keep the whole run in this file. [default: a new one in the recordings' folder, "
         "unless headless or at --speed max]",
     ),
@@ -181,7 +177,6 @@ console_options = together(
     click.option(
         "--serial",
         "url",
-        default=None,
         metavar="URL",
         help="Console on this pyserial port or URL instead of the terminal.",
     ),
@@ -191,11 +186,10 @@ rerun_options = together(
     click.option("--rerun", is_flag=True, help="Show the run in Rerun's viewer while it goes on."),
     click.option(
         "--rerun-at",
-        default=None,
         metavar="HOST:PORT",
         help="Where that viewer listens. [default: 127.0.0.1:9876, opened if it is not there]",
     ),
-    click.option("--rrd", type=RRD, default=None, help="Write the run to this file for Rerun."),
+    click.option("--rrd", type=RRD, help="Write the run to this file for Rerun."),
 )
 
 nmea_options = together(
@@ -223,7 +217,6 @@ nmea_options = together(
     ),
     click.option(
         "--nmea-sentences",
-        default=None,
         metavar="NAMES",
         help="Only these, such as RMC,HDT,XDR. [default: all but VDR,VBW,INDBT,INDPT]",
     ),
@@ -235,7 +228,6 @@ nmea_options = together(
     click.option(
         "--nmea-record",
         type=FILE,
-        default=None,
         help="Keep the sentences in this file, at that rate of the boat's own time.",
     ),
     click.option(
@@ -294,8 +286,8 @@ def port_options(*, listen: str | None, socket: str | None) -> Decorator:
 WEB: Final = f"{HOST}:{PAGES}"
 
 certificate_options = together(
-    click.option("--cert", type=FILE, default=None, help="Certificate of the pages, for https."),
-    click.option("--key", type=FILE, default=None, help="Its key."),
+    click.option("--cert", type=FILE, help="Certificate of the pages, for https."),
+    click.option("--key", type=FILE, help="Its key."),
 )
 
 web_run_options = together(
@@ -303,7 +295,6 @@ web_run_options = together(
     click.option(
         "--web-at",
         "web",
-        default=None,
         metavar="HOST:PORT",
         help=f"Where these pages are. [default: {WEB}, or any free port]",
     ),
@@ -313,7 +304,6 @@ web_run_options = together(
 web_serve_options = together(
     click.option(
         "--web",
-        default=None,
         metavar="HOST:PORT",
         help=f"Serve stations for browsers there, such as {WEB}.",
     ),
@@ -323,7 +313,6 @@ web_serve_options = together(
 connect_option = click.option(
     "--connect",
     "url",
-    default=None,
     metavar="URL",
     help="tcp://HOST:PORT, the path of a local socket, or a serial line. "
     "[default: this machine's session]",
@@ -331,7 +320,7 @@ connect_option = click.option(
 
 connect_options = together(
     connect_option,
-    click.option("--token", default=None, help="The word that this session asks for."),
+    click.option("--token", help="The word that this session asks for."),
 )
 
 teletype_option = click.option(

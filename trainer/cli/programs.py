@@ -7,7 +7,7 @@ from typing import Any, Final
 import click
 
 from trainer.cli.answers import AHEAD, SPEED, Number, outputs, show
-from trainer.cli.options import CSV, VESSEL
+from trainer.cli.options import CSV, VESSEL, together
 
 
 @click.command()
@@ -60,11 +60,9 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
     "--from", "begin", type=Number(), default=0.0, show_default=True, help="First second."
 )
 @click.option("--to", "end", type=Number(), default=1e9, help="Last second. [default: the run's]")
-@click.option("--about", type=Number(), default=None, help="Rest value. [default: the first row's]")
-@click.option(
-    "--vessel", type=VESSEL, default=None, metavar="VESSEL", help="Start from this boat's roots ..."
-)
-@click.option("--speed", type=AHEAD, default=None, metavar="KN", help="... at this speed.")
+@click.option("--about", type=Number(), help="Rest value. [default: the first row's]")
+@click.option("--vessel", type=VESSEL, metavar="VESSEL", help="Start from this boat's roots ...")
+@click.option("--speed", type=AHEAD, metavar="KN", help="... at this speed.")
 @click.option(
     "--plane",
     type=click.Choice(("vertical", "horizontal")),
@@ -75,7 +73,6 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
 @click.option(
     "--order",
     type=click.IntRange(1, 8),
-    default=None,
     help="Number of roots without a vessel. [default: 3 vertical, 4 horizontal]",
 )
 @outputs
@@ -141,7 +138,6 @@ SPEEDS: Final = click.option(
 DEPTH: Final = click.option(
     "--depth",
     type=Number(0.0, 12000.0),
-    default=None,
     metavar="M",
     help="Depth of the origin under a calm surface. [default: deep water]",
 )
@@ -253,23 +249,18 @@ def tanks(vessel: str, fills: tuple[tuple[str, float], ...], **how: Any) -> None
     show(report, program.render, lambda: program.panels(report), how)
 
 
-MEANS: Final = [
-    click.option(
-        f"--mean-{name}",
-        type=MEAN,
-        default=0.0,
-        show_default=True,
-        help=f"Mean |{name}| [{unit}], for the quasi-linear coefficients.",
+mean_options = together(  # which average motions into the linear coefficients
+    *(
+        click.option(
+            f"--mean-{name}",
+            type=MEAN,
+            default=0.0,
+            show_default=True,
+            help=f"Mean |{name}| [{unit}], for the quasi-linear coefficients.",
+        )
+        for name, unit in {"v": "m/s", "w": "m/s", "p": "rad/s", "q": "rad/s", "r": "rad/s"}.items()
     )
-    for name, unit in {"v": "m/s", "w": "m/s", "p": "rad/s", "q": "rad/s", "r": "rad/s"}.items()
-]
-
-
-def mean_options(command: Any) -> Any:
-    """Add the options that average motions into the linear coefficients."""
-    for option in reversed(MEANS):
-        command = option(command)
-    return command
+)
 
 
 @click.command()

@@ -16,9 +16,9 @@ from trainer.config.words import EQUATIONS
 @click.command()
 @click.argument("file", type=RECORDING)
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
-@click.option("--vessel", type=VESSEL, default=None, help=f"Fly another boat: {VESSEL_HELP}.")
-@click.option("--step", type=float, default=None, help="Fly at another step in s.")
-@click.option("--equations", type=click.Choice(EQUATIONS), default=None, help="By another set.")
+@click.option("--vessel", type=VESSEL, help=f"Fly another boat: {VESSEL_HELP}.")
+@click.option("--step", type=float, help="Fly at another step in s.")
+@click.option("--equations", type=click.Choice(EQUATIONS), help="By another set.")
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
 def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None:
     """Fly a recording again, all its branches, and compare every state bit by bit.
@@ -37,12 +37,10 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
 
 @click.command()
 @click.argument("file", type=File(".trainer", ".csv"))
-@click.option("--csv", type=CSV, default=None, help="States here, orders and events beside.")
-@click.option("--parquet", type=File(".parquet"), default=None, help="The same as Parquet files.")
-@click.option("--rrd", type=RRD, default=None, help="The run as Rerun's viewer shows it.")
-@click.option(
-    "--plot", type=PLOT, default=None, help="Columns over time, .png, .svg or .pdf by its ending."
-)
+@click.option("--csv", type=CSV, help="States here, orders and events beside.")
+@click.option("--parquet", type=File(".parquet"), help="The same as Parquet files.")
+@click.option("--rrd", type=RRD, help="The run as Rerun's viewer shows it.")
+@click.option("--plot", type=PLOT, help="Columns over time, .png, .svg or .pdf by its ending.")
 @click.option(
     "--column",
     "columns",
@@ -50,7 +48,7 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
     metavar="NAME[,NAME]",
     help="What --plot draws, a panel each time it is given. [default: z, theta, u]",
 )
-@click.option("--branch", type=click.IntRange(1), default=None, help="[default: the last one]")
+@click.option("--branch", type=click.IntRange(1), help="[default: the last one]")
 def export(
     file: Path,
     branch: int | None,
@@ -80,14 +78,13 @@ def export(
 @click.command()
 @click.argument("file", type=RECORDING, required=False)
 @click.option("--last", is_flag=True, help="The recording in the recordings' folder made last.")
-@click.option("--html", type=HTML, default=None, help="[default: beside the recording]")
-@click.option("--pdf", type=PDF, default=None, help="Printed by a browser of this machine.")
-@click.option("--branch", type=click.IntRange(1), default=None, help="[default: the last one]")
-@click.option("--width", type=click.Choice(WIDTHS), default=None, help="[default: the run's own]")
+@click.option("--html", type=HTML, help="[default: beside the recording]")
+@click.option("--pdf", type=PDF, help="Printed by a browser of this machine.")
+@click.option("--branch", type=click.IntRange(1), help="[default: the last one]")
+@click.option("--width", type=click.Choice(WIDTHS), help="[default: the run's own]")
 @click.option(
     "--reference-from",
     type=Duration(),
-    default=None,
     metavar="TIME",
     help="Also fly the reference crew from this recorded moment on.",
 )
@@ -129,8 +126,8 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
 
 @click.command()
 @click.argument("places", type=RECORDING, nargs=-1)
-@click.option("--trainee", default=None, metavar="NAME", help="What this trainee has done.")
-@click.option("--forget", default=None, metavar="NAME", help="Remove this name everywhere.")
+@click.option("--trainee", metavar="NAME", help="What this trainee has done.")
+@click.option("--forget", metavar="NAME", help="Remove this name everywhere.")
 @click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 def recordings(
     places: tuple[Path, ...], *, trainee: str | None, forget: str | None, as_json: bool

@@ -334,7 +334,7 @@ PAGES_NEED: Final = ("starlette", "uvicorn", "websockets", "segno")  # libraries
 )
 @certificate_options
 @click.option("--open/--no-open", "opens", default=True, help="Open them in a browser here.")
-@click.option("--owner", type=int, default=None, hidden=True)  # see page_server
+@click.option("--owner", type=int, hidden=True)  # see page_server
 def web(
     *,
     url: str | None,

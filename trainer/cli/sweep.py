@@ -15,30 +15,23 @@ from trainer.cli.types import File
 @click.option(
     "--out",
     type=File(".parquet"),
-    default=None,
     metavar="FILE",
     help="Parquet file of the result. [default: the study's name, here]",
 )
-@click.option(
-    "--members", type=click.IntRange(1), default=None, help="How many. [default: the study's]"
-)
+@click.option("--members", type=click.IntRange(1), help="How many. [default: the study's]")
 @click.option(
     "--member",
     type=click.IntRange(0),
-    default=None,
     metavar="NUMBER",
     help="Fly this one alone and print it; no file.",
 )
-@click.option(
-    "--jobs", type=click.IntRange(1, 256), default=None, help="Processes. [default: all processors]"
-)
+@click.option("--jobs", type=click.IntRange(1, 256), help="Processes. [default: all processors]")
 @click.option(
     "--scheduler",
-    default=None,
     metavar="ADDRESS",
     help="Fly on the workers of this Dask scheduler, such as tcp://10.0.0.1:8786.",
 )
-@click.option("--measure", default=None, metavar="NAME", help="What to plot. [default: the first]")
+@click.option("--measure", metavar="NAME", help="What to plot. [default: the first]")
 @outputs
 def sweep(study: str, member: int | None, **options: Any) -> None:
     """Fly a study: one boat many times, with some of its numbers varied.

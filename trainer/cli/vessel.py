@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import Number, bar, json_of, outputs, show
-from trainer.cli.options import SEA, TOML, VESSEL, VESSEL_HELP, method_options
+from trainer.cli.answers import Number, bar, json_of, outputs, show, write_text
+from trainer.cli.options import SEA, TOML, VESSEL, VESSEL_HELP, cores_option, method_options
 from trainer.cli.types import Commands
 
 
@@ -27,11 +27,10 @@ def vessel() -> None:
 @click.option(
     "--length",
     type=Number(0.3, 400.0),
-    default=None,
     metavar="M",
     help="Of the new boat. [default: that of the source, a copy]",
 )
-@click.option("--name", default=None, help="Of the new boat.")
+@click.option("--name", help="Of the new boat.")
 def new(file: Path, source: str, length: float | None, name: str | None) -> None:
     """Write a complete vessel file with comments, to be changed; never over another file.
 
@@ -85,8 +84,6 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     and the command that makes it. With --constants nothing is judged: all that the core is given
     is listed, in SI units and radians.
     """
-    from dataclasses import asdict
-
     if constants:
         list_constants(vessel, as_json=as_json)
         return
@@ -138,7 +135,7 @@ def gains(vessel: str) -> None:
     metavar="M",
     help="Depth in metres, may be repeated. [default: some, periscope depth among them]",
 )
-@click.option("--step", type=Number(1e-3, 2.0), default=None, help="[default: the boat's]")
+@click.option("--step", type=Number(1e-3, 2.0), help="[default: the boat's]")
 @outputs
 def sea(name: str, vessel: str, depths: tuple[float, ...], step: float | None, **how: Any) -> None:
     """Show a sea: its waves, their energy by band, the suction on a boat.
@@ -161,18 +158,13 @@ def sea(name: str, vessel: str, depths: tuple[float, ...], step: float | None, *
 
 @click.command()
 @click.argument("vessel", type=VESSEL)
-@click.option("-o", "--output", type=TOML, default=None, metavar="FILE", help="Write the boat so.")
+@click.option("-o", "--output", type=TOML, metavar="FILE", help="Write the boat so.")
 @click.option("--write", is_flag=True, help="Write it into the vessel file itself.")
 @click.option("--check", is_flag=True, help="Judge the set that the file has; no search.")
 @click.option("--table", is_flag=True, help="Only the table of sensitivities.")
 @click.option("--quick", is_flag=True, help="Keep a term whose loss takes long to make up for.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
-@click.option(
-    "--cores",
-    type=click.IntRange(1, 256),
-    default=None,
-    help="Processors to use. [default: all]",
-)
+@cores_option
 def reduce(vessel: str, **options: Any) -> None:
     """Find the compact set of a boat: the fewest terms that pass the guide.
 
@@ -189,7 +181,7 @@ def reduce(vessel: str, **options: Any) -> None:
     out of tolerance.
     """
     from trainer.analysis.guide.programme import processors
-    from trainer.analysis.reduce import page, verdict
+    from trainer.analysis.reduce import page, reduction, verdict
     from trainer.config.files import ConfigError
     from trainer.config.vessel import load_vessel
 
@@ -201,7 +193,7 @@ def reduce(vessel: str, **options: Any) -> None:
     file = load_vessel(vessel)
     cores = options["cores"] or processors()
     if options["check"]:
-        found = _read_reduction(file)
+        found = reduction.report(file, reduction.as_filed(file), (), ())
     else:
         with bar(verdict.flights(file), "putting to zero") as step:
             drops = verdict.table(file, cores, lambda: step(1))
@@ -218,21 +210,12 @@ def reduce(vessel: str, **options: Any) -> None:
     sys.exit(0 if found.passed else 1)
 
 
-def _read_reduction(file: Any) -> Any:
-    """Return the reduction that the file has."""
-    from trainer.analysis.reduce import reduction
-
-    return reduction.report(file, reduction.as_filed(file), (), ())
-
-
 def _search_reduction(
     file: Any, cores: int, result: Path | None, drops: Any, *, quick: bool
 ) -> Any:
     """Return the reduction that a search finds, written to ``result`` if there is one."""
     from trainer.analysis.reduce import page, reduction
     from trainer.analysis.reduce.objective import terms
-    from trainer.config.files import ConfigError
-    from trainer.io.atomic_write import write_whole
 
     partial = reduction.checkpoint_of(result) if result else None
     length = reduction.SEARCHES * len(terms(file, "modified"))
@@ -243,9 +226,6 @@ def _search_reduction(
         return report
     notes = {"kept": len(report.kept), "of": report.hull_terms}
     tables = page.factor_tables(found.factors, found.needs, notes)
-    try:
-        write_whole(result, page.rewritten(file.text, tables))
-    except OSError as error:
-        raise ConfigError(f"{result}: cannot be written: {error.strerror}") from None
+    write_text(result, page.rewritten(file.text, tables))
     reduction.discard_checkpoint(reduction.checkpoint_of(result))
     return report

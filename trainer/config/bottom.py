@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, Place
+from trainer.config.files import ConfigError, Place, refuse
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -20,7 +20,7 @@ from trainer.config.schema import (
     usual,
     within,
 )
-from trainer.config.soundings import Grid, Numbers, Position, between, on_the_plane, read_grid
+from trainer.config.soundings import Grid, Numbers, between, on_the_plane, read_grid
 from trainer.core.current import north_and_east
 from trainer.io.chart import Chart
 
@@ -82,8 +82,7 @@ def read_bottom(value: object, place: Place, path: Path) -> Bottom:
     """Return the ground of a table of the exercise in ``path``; ConfigError with all faults."""
     table = read_record(BottomTable, value, place, ("note",))
     problems = _misfits(table, place)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     known = None
     if table.grid is None:
         depth = _plane(table)
@@ -138,7 +137,7 @@ def _charted(table: BottomTable, place: Place, path: Path) -> Grid:
     try:
         grid = read_grid(path.parent / name)
         if table.origin_deg is not None:
-            grid = on_the_plane(grid, _chart(table.origin_deg))
+            grid = on_the_plane(grid, Chart(*table.origin_deg).position)
     except ConfigError as wrong:
         raise ConfigError(*(place.wrong("grid", name, each) for each in wrong.problems)) from None
     if grid.degrees:
@@ -146,11 +145,6 @@ def _charted(table: BottomTable, place: Place, path: Path) -> Grid:
         raise ConfigError(place.wrong("grid", name, told))
     sense = 1.0 if table.values == "depth" else -1.0
     return replace(grid, values=sense * grid.values + table.tide_m)
-
-
-def _chart(origin: tuple[float, ...]) -> Position:
-    """Return the chart of an origin [deg], as the NMEA sentences' position has it."""
-    return Chart(*origin).position
 
 
 def land_near(bottom: Bottom, north: float, east: float) -> float:

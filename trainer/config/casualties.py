@@ -21,10 +21,11 @@ from trainer.config.files import (
     nearest,
     parse_toml,
     read_text,
+    refuse,
     shipped,
 )
-from trainer.config.schema import Kind as FieldKind
 from trainer.config.schema import (
+    KeyForm,
     Limits,
     Quantity,
     Text,
@@ -35,6 +36,7 @@ from trainer.config.schema import (
     read_record,
     within,
 )
+from trainer.config.schema import Kind as FieldKind
 from trainer.core.casualties import CODES, GAUGES, KINDS
 from trainer.core.state import VALVES
 from trainer.core.surfaces import SURFACES
@@ -129,14 +131,9 @@ class KindWord:
     """One of the kinds of casualty."""
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "word", "a kind below", "what breaks, and how"
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return {"enum": [*KINDS]}
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        return KeyForm("word", "a kind below", "what breaks, and how", {"enum": [*KINDS]})
 
     def read(self, key: str, value: object, place: Place) -> str:
         """Return the kind; ConfigError naming the nearest if there is none of that name."""
@@ -239,8 +236,7 @@ def parse_casualties(
         for name, entry in as_table(table["casualty"], within_file).items():
             with collecting(problems):
                 found[name] = read_casualty(name, entry, within_file.inside(name), standard)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return found
 
 
@@ -266,8 +262,7 @@ def read_casualty(
         problems.append(place.wrong("severity", entry.severity, severity_rule(entry.kind)))
     if measure.sudden and (entry.ramp_s or entry.clear_ramp_s):
         problems.append(place.problem(f"{entry.kind} comes and goes at once: ramps must be 0"))
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return Casualty(
         name=name,
         kind=entry.kind,

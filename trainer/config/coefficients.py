@@ -8,6 +8,7 @@ from trainer.config.files import (
     as_table,
     collecting,
     nearest,
+    refuse,
 )
 from trainer.config.schema import Quantity, within
 from trainer.core.terms import COEFFICIENTS, POWERS
@@ -31,8 +32,7 @@ def read_coefficients(table: object, place: Place) -> dict[str, float]:
             values[key] = _coefficient(key, value, place.inside(axis) if axis else place, known)
     keys = [key for _, key, _ in given]
     problems += [place.problem(f"{key} is given twice") for key in values if keys.count(key) > 1]
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return values
 
 
@@ -83,8 +83,7 @@ def read_compensation(
     for name in EQUATION_SETS:
         with collecting(problems):
             factors[name] = _factors(sets.get(name, {}), place.inside(name), extra)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return factors
 
 
@@ -97,6 +96,5 @@ def _factors(table: object, place: Place, extra: tuple[str, ...]) -> dict[str, f
         for key, value in given.items()
         if key not in kept
     ]
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return {key: FACTOR.read(key, value, place) for key, value in given.items()}

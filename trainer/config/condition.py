@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.config.files import ConfigError, Place, nearest, quote
+from trainer.config.files import ConfigError, Place, nearest, quote, refuse
 from trainer.core.ballast.tanks import BANKS, BLOWN, COMPARTMENTS, PUMPED
 
 NUMBER: Final = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
@@ -202,6 +202,5 @@ def compile_losses(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
             problems.append(place.wrong("lost", text, reason))
         else:
             found.append(Loss(conditions=conditions, seconds=float(seconds), text=text.strip()))
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return tuple(found)

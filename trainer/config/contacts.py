@@ -10,14 +10,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.files import ConfigError, Place, beside, collecting, path_named
+from trainer.config.files import ConfigError, Place, beside, collecting, path_named, refuse
 from trainer.config.nomoto import NomotoFile, is_nomoto, load_nomoto
 from trainer.config.schema import (
     Choice,
     Flag,
+    KeyForm,
     Quantity,
     Rows,
     Text,
+    Whole,
     described,
     list_schema,
     of,
@@ -34,6 +36,7 @@ from trainer.units import KNOT
 MOST: Final = 200  # contacts of an exercise
 FURTHEST: Final = 200_000.0  # [m] from the origin
 NAMED: Final = re.compile(r"[a-z][a-z0-9-]{0,15}")  # as an order names it
+MMSI: Final = 100_000_000, 999_999_999  # of nine digits
 RESERVED: Final = ("add",)  # what an order says in a name's place
 ACCELERATION: Final = 0.02  # [m/s^2] of every ship: an estimate
 QUICKEST: Final = 0.1  # [s] time constant of a ship that can be followed from tick to tick
@@ -85,15 +88,11 @@ class Points:
     most: int = 100
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "m", f"1 to {self.most} pairs, {-FURTHEST:.0f} to {FURTHEST:.0f}", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
         each = list_schema(within(-FURTHEST, FURTHEST).schema, 2, 2)
-        return list_schema(each, 1, self.most)
+        told = f"1 to {self.most} pairs, {-FURTHEST:.0f} to {FURTHEST:.0f}"
+        return KeyForm("m", told, self.meaning, list_schema(each, 1, self.most))
 
     def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, float], ...]:
         """Return the places; ConfigError naming the first that is wrong."""
@@ -111,33 +110,6 @@ class Points:
 
 
 @dataclass(frozen=True)
-class Mmsi:
-    """A whole number of nine digits."""
-
-    meaning: str
-    low: int = 100_000_000
-    high: int = 999_999_999
-
-    @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "-", f"{self.low} to {self.high}", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return {"type": "integer", "minimum": self.low, "maximum": self.high}
-
-    def read(self, key: str, value: object, place: Place) -> int:
-        """Return the number; ConfigError if it is not whole, or has not nine digits."""
-        whole = isinstance(value, int) and not isinstance(value, bool)
-        if not (whole and isinstance(value, int) and self.low <= value <= self.high):
-            told = f"must be a whole number, {self.low} to {self.high}"
-            raise ConfigError(place.wrong(key, value, told))
-        return value
-
-
-@dataclass(frozen=True)
 class LegSpeeds:
     """One number for all legs, or a list with one for each."""
 
@@ -145,15 +117,11 @@ class LegSpeeds:
     most: int = 99
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        unit, limits, meaning = self.each.cells
-        return unit, f"{limits}, or a list", meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return {"anyOf": [self.each.schema, list_schema(self.each.schema, 1, self.most)]}
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        unit, limits, meaning, schema = self.each.form
+        schemas = {"anyOf": [schema, list_schema(schema, 1, self.most)]}
+        return KeyForm(unit, f"{limits}, or a list", meaning, schemas)
 
     def read(self, key: str, value: object, place: Place) -> float | tuple[float, ...]:
         """Return the number or the numbers; ConfigError naming the first that is wrong."""
@@ -171,7 +139,7 @@ class ContactRow:
 
     name: str = of(Text(16, "as orders name it: small letters, digits and hyphens"))
     type: str = of(Choice(tuple(TYPES), "kind of ship: sizes, lights, what AIS calls it"))
-    mmsi: int | None = optional(Mmsi("its number in AIS; else it has no transponder"))
+    mmsi: int | None = optional(Whole(*MMSI, "its number in AIS; else it has no transponder"))
     points: tuple[tuple[float, float], ...] = of(
         Points("way points, north and east of the start's origin; one: it lies, or keeps a course")
     )
@@ -275,8 +243,7 @@ def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...
             problems += _faults(contact)
             found.append(contact)
     problems += _twice(found)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return tuple(found)
 
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from trainer.config.files import ConfigError, Place
 from trainer.config.schema import (
+    KeyForm,
     Quantity,
     Table,
     list_schema,
@@ -39,18 +40,13 @@ class Profile:
     )
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "m, deg, kn", f"1 to {MOST} rows", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
         row = {
-            "prefixItems": [each.schema for each in self.columns],
+            "prefixItems": [each.form.schema for each in self.columns],
             **list_schema({"type": "number"}, len(self.columns), len(self.columns)),
         }
-        return list_schema(row, 1, MOST)
+        return KeyForm("m, deg, kn", f"1 to {MOST} rows", self.meaning, list_schema(row, 1, MOST))
 
     def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, ...], ...]:
         """Return the rows; ConfigError naming the first number that is wrong."""

@@ -21,6 +21,7 @@ from trainer.config.files import (
     path_named,
     quote,
     read_text,
+    refuse,
 )
 from trainer.config.reference_crew import CREW_TABLES, Crew, CrewRow, Helmsman, Planesman, read_crew
 from trainer.config.schema import (
@@ -334,8 +335,7 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
     problems += _unmanned(table, place)
     if _texts(table, "hand"):
         problems += _without_win(parts.get("scores", ()), place)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     timed.sort(key=lambda entry: entry.seconds)
     return Exercise(path=path, schedule=tuple(timed), **parts)
 
@@ -390,8 +390,7 @@ def _orders(table: Mapping[str, object], place: Place) -> list[Scheduled]:
         with collecting(problems):
             order = _read_order(row.order, inside)
             found.append(Scheduled(row.at_s, order, i + 1))
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return found
 
 
@@ -433,8 +432,7 @@ def _casualties(
             if condition:
                 rule = row.rule or "once"
                 armed.append(Armed(condition=condition, casualty=casualty, rule=rule))
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return timed, tuple(armed), tuple(drawn)
 
 
@@ -478,8 +476,7 @@ def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty
     ]
     if row.lasts_s is not None and row.clear_at_s is not None:
         problems.append(place.problem("give one of clear_at_s, lasts_s"))
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return entry
 
 

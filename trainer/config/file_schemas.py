@@ -21,7 +21,10 @@ from trainer.core.terms import COEFFICIENTS, EXTRA_TERMS
 def coefficients_schema() -> dict[str, Any]:
     """Return the JSON Schema of the table [coefficients]."""
     known = {
-        term.key: {**COEFFICIENT.schema, "description": f"L^{term.power}, times {term.multiplies}"}
+        term.key: {
+            **COEFFICIENT.form.schema,
+            "description": f"L^{term.power}, times {term.multiplies}",
+        }
         for term in COEFFICIENTS
     }
     by_axis = {

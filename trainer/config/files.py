@@ -10,7 +10,7 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
@@ -57,6 +57,12 @@ def collecting(problems: list[str]) -> Iterator[None]:
         yield
     except ConfigError as error:
         problems.extend(error.problems)
+
+
+def refuse(problems: Collection[str]) -> None:
+    """Raise ConfigError with the problems, if there are any."""
+    if problems:
+        raise ConfigError(*problems)
 
 
 class Place(NamedTuple):

@@ -11,10 +11,19 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
+from trainer.config.files import (
+    ConfigError,
+    Place,
+    collecting,
+    nearest,
+    parse_toml,
+    read_text,
+    refuse,
+)
 from trainer.config.schema import (
     Choice,
     Flag,
+    KeyForm,
     Quantities,
     Quantity,
     Rows,
@@ -57,15 +66,11 @@ class Stations:
     most: int = 200
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "m", f"{self.fewest} to {self.most} rows of 3 or 4 numbers", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        row = list_schema({"type": "number"}, 3, 4)
-        return list_schema(row, self.fewest, self.most)
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        rows = list_schema(list_schema({"type": "number"}, 3, 4), self.fewest, self.most)
+        told = f"{self.fewest} to {self.most} rows of 3 or 4 numbers"
+        return KeyForm("m", told, self.meaning, rows)
 
     def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, ...], ...]:
         """Return the rows with four numbers each; ConfigError naming the first that is wrong."""
@@ -265,23 +270,12 @@ def read_hull(given: Mapping[str, Any], path: Path) -> HullFile:
     for name, kind in (("name", NAME), ("surfaces", SURFACES)):
         with collecting(problems):
             parts[name] = kind.read(name, given[name], place) if name in given else None
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     file = HullFile(
-        path=path,
-        name=parts["name"],
-        form=parts["hull"],
-        mass=parts["mass"],
-        water=parts["fluid"],
-        speed=parts["speed"],
-        propeller=parts["propeller"],
-        controls=parts["controls"],
-        surfaces=parts["surfaces"],
-        tables=given,
+        path=path, form=parts.pop("hull"), water=parts.pop("fluid"), tables=given, **parts
     )
     problems = [*_form_problems(file), *_mass_problems(file), *_surface_problems(file)]
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return file
 
 
@@ -386,7 +380,18 @@ def _surface_problems(file: HullFile) -> Iterator[str]:
     for i, panels in enumerate(file.surfaces):
         place = file.place.inside(f"surfaces[{i}]")
         yield from _panel_problems(panels, place, file.form.length)
-        yield from _control_problems(panels, place)
+        # yield which panels cannot serve the control that they are given
+        if panels.sail and panels.control != "none":
+            yield place.wrong("control", panels.control, "a sail steers nothing; must be none")
+        for angle in panels.angles_deg:
+            across, down = abs(math.sin(math.radians(angle))), abs(math.cos(math.radians(angle)))
+            wanted = {STERN: down, BOW: down, RUDDER: across, X: min(across, down)}
+            if wanted.get(panels.control, 1.0) < SERVES:
+                right = {RUDDER: "90 or 270", X: "45, 135, 225 or 315"}
+                told = f"no {panels.control} can act there; nearest are"
+                yield place.wrong(
+                    "angles_deg", angle, f"{told} {right.get(panels.control, '0 or 180')} deg"
+                )
 
 
 def _panel_problems(panels: Panels, place: Place, length: float) -> Iterator[str]:
@@ -408,21 +413,6 @@ def _panel_problems(panels: Panels, place: Place, length: float) -> Iterator[str
         if panels.moving_area is not None and panels.moving_area > area > 0.0:
             told = f"must be at most the panel's area, {area:.4g} m2"
             yield place.wrong("moving_area", panels.moving_area, told)
-
-
-def _control_problems(panels: Panels, place: Place) -> Iterator[str]:
-    """Yield which panels cannot serve the control that they are given."""
-    if panels.sail and panels.control != "none":
-        yield place.wrong("control", panels.control, "a sail steers nothing; must be none")
-    for angle in panels.angles_deg:
-        across, down = abs(math.sin(math.radians(angle))), abs(math.cos(math.radians(angle)))
-        wanted = {STERN: down, BOW: down, RUDDER: across, X: min(across, down)}
-        if wanted.get(panels.control, 1.0) < SERVES:
-            right = {RUDDER: "90 or 270", X: "45, 135, 225 or 315"}
-            told = f"no {panels.control} can act there; nearest are"
-            yield place.wrong(
-                "angles_deg", angle, f"{told} {right.get(panels.control, '0 or 180')} deg"
-            )
 
 
 def key_tables() -> str:

@@ -38,6 +38,13 @@ STRIP_END = 0.6  # [-] of the length
 
 def hull_problems(hull: Hull, fluid: Fluid) -> list[str]:
     """Return what is implausible about size, mass and centres in this water."""
+    # which depths are shallower than one that they must not be
+    problems = []
+    for (key, least), (other, depth) in pairwise(_depths(hull).items()):
+        collapse = other == "collapse_depth_m"
+        if depth < least or (collapse and depth == least):
+            rule = "deeper than" if collapse else "at least"
+            problems.append(f"{other} = {depth:g} m: must be {rule} {key} = {least:g} m")
     return [
         *_mass_problems(hull, fluid),
         *_inertia_problems(hull),
@@ -46,7 +53,7 @@ def hull_problems(hull: Hull, fluid: Fluid) -> list[str]:
             for name, point in (("cg", hull.cg), ("cb", hull.cb))
             if math.hypot(*point) > hull.length
         ),
-        *_depth_problems(hull),
+        *problems,
     ]
 
 
@@ -54,17 +61,6 @@ def _depths(hull: Hull) -> dict[str, float]:
     """Return the depths [m] that the file gives by their keys, in the order they must have."""
     keys = ("max_depth_m", "test_depth_m", "collapse_depth_m")
     return {key: getattr(hull, key) for key in keys if getattr(hull, key) is not None}
-
-
-def _depth_problems(hull: Hull) -> list[str]:
-    """Return which depths are shallower than one that they must not be."""
-    problems = []
-    for (key, least), (other, depth) in pairwise(_depths(hull).items()):
-        collapse = other == "collapse_depth_m"
-        if depth < least or (collapse and depth == least):
-            rule = "deeper than" if collapse else "at least"
-            problems.append(f"{other} = {depth:g} m: must be {rule} {key} = {least:g} m")
-    return problems
 
 
 def _mass_problems(hull: Hull, fluid: Fluid) -> list[str]:

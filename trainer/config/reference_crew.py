@@ -5,10 +5,10 @@ A rule says when, and what is ordered then. What the crew sees is what its gauge
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final, TypeVar
+from typing import Any, Final
 
 from trainer.config.condition import Condition, compile_conditions
-from trainer.config.files import ConfigError, Place, collecting, nearest
+from trainer.config.files import ConfigError, Place, collecting, nearest, refuse
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -106,7 +106,6 @@ class Crew:
     helmsman: Helmsman = field(default_factory=Helmsman)
 
 
-Ways = TypeVar("Ways", Planesman, Helmsman)
 RULES: Final = Rows(CrewRow, ("note",), 0, 200, "what the reference crew does, below")
 CREW_TABLES: Final = ("crew", *HANDS)
 
@@ -122,31 +121,21 @@ def read_crew(table: Mapping[str, object], place: Place) -> Crew:
     for i, inside, row in sound_rows(RULES, table.get("crew", []), array, readers, problems):
         with collecting(problems):
             rules.append(_read_rule(row, i, inside))
-    planesman, helmsman = Planesman(), Helmsman()
-    with collecting(problems):
-        planesman = _ways(Planesman, "planesman", table, place)
-    with collecting(problems):
-        helmsman = _ways(Helmsman, "helmsman", table, place)
-    problems += _twice(rules, place)
-    if problems:
-        raise ConfigError(*problems)
-    return Crew(rules=tuple(rules), planesman=planesman, helmsman=helmsman)
-
-
-def _ways(record: type[Ways], name: str, table: Mapping[str, object], place: Place) -> Ways:
-    return read_record(record, table.get(name, {}), place.inside(name), ("note",))
-
-
-def _twice(rules: list[CrewRule], place: Place) -> list[str]:
-    """Return which rules stand twice: two crews in one file."""
+    ways: dict[str, Any] = {}
+    for name, record in (("planesman", Planesman), ("helmsman", Helmsman)):
+        with collecting(problems):
+            ways[name] = read_record(record, table.get(name, {}), place.inside(name), ("note",))
+    # which rules stand twice: two crews in one file
     rows = [rule.row for rule in rules]
-    return [
+    problems += [
         place.inside(f"crew[{i}]").problem(
             f'order = "{row.order}": is a rule above too; an exercise has one reference crew'
         )
         for i, row in enumerate(rows)
         if row in rows[:i] and not row.then
     ]
+    refuse(problems)
+    return Crew(rules=tuple(rules), **ways)
 
 
 def _read_rule(row: CrewRow, i: int, place: Place) -> CrewRule:
@@ -172,8 +161,7 @@ def _read_rule(row: CrewRow, i: int, place: Place) -> CrewRule:
     ]
     with collecting(problems):
         order = parse_crew_order(row.order, place)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return CrewRule(row=row, conditions=conditions, order=order)
 
 

@@ -8,9 +8,9 @@ import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, asdict, dataclass, field, fields, make_dataclass
 from functools import cache
-from typing import Any, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
-from trainer.config.files import ConfigError, Place, as_table, collecting, nearest
+from trainer.config.files import ConfigError, Place, as_table, collecting, nearest, refuse
 
 Record = TypeVar("Record")
 SMALLEST = 1e-12  # of a number that is not 0, in any unit
@@ -52,16 +52,21 @@ def above(low: float, high: float = math.inf) -> Limits:
     return Limits(low, high, open_below=True)
 
 
+class KeyForm(NamedTuple):
+    """A kind among the keys, and the JSON Schema of its values, without the meaning."""
+
+    unit: str
+    range: str
+    meaning: str
+    schema: dict[str, Any]
+
+
 class Kind(Protocol):
-    """The kind of a field's value: its check, and its cells among the keys."""
+    """The kind of a field's value: its check, and its form."""
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values, without the meaning."""
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
 
     def read(self, key: str, value: object, place: Place) -> object:
         """Return the checked value; ConfigError if it is wrong."""
@@ -76,14 +81,9 @@ class Quantity:
     meaning: str
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return self.unit, str(self.limits), self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return self.limits.schema
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        return KeyForm(self.unit, str(self.limits), self.meaning, self.limits.schema)
 
     def read(self, key: str, value: object, place: Place) -> float:
         """Return the number [unit]; ConfigError if it is none or outside the limits."""
@@ -102,6 +102,29 @@ class Quantity:
 
 
 @dataclass(frozen=True)
+class Whole:
+    """One whole number."""
+
+    low: int
+    high: int
+    meaning: str
+
+    @property
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        schema = {"type": "integer", "minimum": self.low, "maximum": self.high}
+        return KeyForm("whole number", f"{self.low} to {self.high}", self.meaning, schema)
+
+    def read(self, key: str, value: object, place: Place) -> int:
+        """Return the number; ConfigError if it is none, or outside the limits."""
+        whole = isinstance(value, int) and not isinstance(value, bool)
+        if not (whole and isinstance(value, int) and self.low <= value <= self.high):
+            told = f"must be a whole number, {self.low} to {self.high}"
+            raise ConfigError(place.wrong(key, value, told))
+        return value
+
+
+@dataclass(frozen=True)
 class Quantities:
     """A list of ``fewest`` to ``most`` numbers of one kind."""
 
@@ -110,15 +133,11 @@ class Quantities:
     most: int
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        unit, limits, meaning = self.each.cells
-        return unit, f"{self._count} numbers, {limits}", meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return list_schema(self.each.schema, self.fewest, self.most)
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        unit, limits, meaning, schema = self.each.form
+        listed = list_schema(schema, self.fewest, self.most)
+        return KeyForm(unit, f"{self._count} numbers, {limits}", meaning, listed)
 
     @property
     def _count(self) -> str:
@@ -139,14 +158,10 @@ class Text:
     meaning: str
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "text", f"1 to {self.longest} characters", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return {"type": "string", "minLength": 1, "maxLength": self.longest}
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        schema = {"type": "string", "minLength": 1, "maxLength": self.longest}
+        return KeyForm("text", f"1 to {self.longest} characters", self.meaning, schema)
 
     def read(self, key: str, value: object, place: Place) -> str:
         """Return the line; ConfigError if it is empty, too long or not printable."""
@@ -179,14 +194,9 @@ class Choice:
     meaning: str
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "word", " or ".join(self.words), self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return {"enum": [*self.words]}
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        return KeyForm("word", " or ".join(self.words), self.meaning, {"enum": [*self.words]})
 
     def read(self, key: str, value: object, place: Place) -> str:
         """Return the word; ConfigError if it is none of them."""
@@ -202,14 +212,9 @@ class Flag:
     meaning: str
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "word", "true or false", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return {"type": "boolean"}
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        return KeyForm("word", "true or false", self.meaning, {"type": "boolean"})
 
     def read(self, key: str, value: object, place: Place) -> bool:
         """Return the word; ConfigError if it is neither."""
@@ -226,14 +231,10 @@ class Texts:
     most: int
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "texts", f"0 to {self.most}", self.each.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return list_schema(self.each.schema, 0, self.most)
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        _, _, meaning, schema = self.each.form
+        return KeyForm("texts", f"0 to {self.most}", meaning, list_schema(schema, 0, self.most))
 
     def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
         """Return the lines; ConfigError naming the first that is wrong."""
@@ -251,15 +252,10 @@ class Choices:
     meaning: str
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "words", "some of " + ", ".join(self.words), self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        words = {"enum": [*self.words]}
-        return {"type": "array", "items": words, "uniqueItems": True}
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        schema = {"type": "array", "items": {"enum": [*self.words]}, "uniqueItems": True}
+        return KeyForm("words", f"some of {', '.join(self.words)}", self.meaning, schema)
 
     def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
         """Return the words; ConfigError if one is unknown or given twice."""
@@ -278,15 +274,11 @@ class Named:
     names: tuple[str, ...]
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        unit, limits, meaning = self.each.cells
-        return unit, limits, f"{meaning}: {', '.join(self.names)}"
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return object_schema(dict.fromkeys(self.names, self.each.schema), self.names)
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        unit, limits, meaning, schema = self.each.form
+        table = object_schema(dict.fromkeys(self.names, schema), self.names)
+        return KeyForm(unit, limits, f"{meaning}: {', '.join(self.names)}", table)
 
     def read(self, key: str, value: object, place: Place) -> dict[str, float]:
         """Return number by name; ConfigError if a name is unknown or lacking."""
@@ -316,15 +308,11 @@ class Rows:
     meaning: str
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "tables", f"{self.fewest} to {self.most}", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
         each = record_schema(self.record, self.documentary)
-        return list_schema(each, self.fewest, self.most)
+        listed = list_schema(each, self.fewest, self.most)
+        return KeyForm("tables", f"{self.fewest} to {self.most}", self.meaning, listed)
 
     def read(self, key: str, value: object, place: Place) -> tuple[Any, ...]:
         """Return the records in the order of the file; ConfigError with all that is wrong."""
@@ -354,14 +342,9 @@ class Table:
         return ("note",)
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "table", "1", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return record_schema(self.record, self.documentary)
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        return KeyForm("table", "1", self.meaning, record_schema(self.record, self.documentary))
 
     def read(self, key: str, value: object, place: Place) -> Any:
         """Return the record; ConfigError with all that is wrong."""
@@ -411,9 +394,9 @@ def object_schema(keys: Mapping[str, Mapping[str, Any]], needed: Iterable[str]) 
 
 def described(kind: Kind) -> dict[str, Any]:
     """Return the JSON Schema of a kind with unit and meaning, which editors show."""
-    unit, _, meaning = kind.cells
+    unit, _, meaning, schema = kind.form
     told = meaning if isinstance(kind, Text | Choice | Rows | Table) else f"[{unit}] {meaning}"
-    return {"description": told, **kind.schema}
+    return {"description": told, **schema}
 
 
 def record_schema(
@@ -479,8 +462,7 @@ def read_record(
         if item.name in given:
             with collecting(problems):
                 values[item.name] = kind_of(item).read(item.name, given[item.name], place)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return record(**values)
 
 
@@ -493,5 +475,5 @@ def tables_of(records: Mapping[str, type[Any]]) -> str:
 def key_rows(record: type[Any], table: str) -> list[str]:
     """Return the lines of a Markdown table that document each key of ``record``."""
     items: tuple[Field[Any], ...] = fields(record)
-    rows = [f"| `{item.name}` | {' | '.join(kind_of(item).cells)} |" for item in items]
+    rows = [f"| `{item.name}` | {' | '.join(kind_of(item).form[:3])} |" for item in items]
     return [f"### `[{table}]`", "", "| key | unit | range | meaning |", "|---|---|---|---|", *rows]

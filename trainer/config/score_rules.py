@@ -8,7 +8,7 @@ from typing import Final
 from trainer.config.casualties import Casualty
 from trainer.config.condition import EVERY, Condition, compile_conditions, parse_name
 from trainer.config.condition import nearest_quantity as guess
-from trainer.config.files import ConfigError, Place, collecting, nearest
+from trainer.config.files import ConfigError, Place, collecting, nearest, refuse
 from trainer.config.schema import Choice, Choices, Quantity, Rows, Text, above, of, optional, within
 from trainer.config.sound_rows import Readers, sound_rows
 from trainer.core.surfaces import SURFACES
@@ -28,109 +28,79 @@ ORDERED: Final[Mapping[str, str]] = {  # places of the state that hold what is o
 class Measure:
     """One measure: what a rule must and may say, its unit, and its formula."""
 
-    needs: tuple[str, ...]
-    may: tuple[str, ...]
     unit: str  # ITS_OWN: that of the quantity
     formula: str  # {q} the quantity, {t} its target, {b} its band, {u} their unit, {c} the casualty
     place: str  # which moment is told
+    needs: tuple[str, ...] = ()
+    may: tuple[str, ...] = ()
     quantities: tuple[str, ...] = ()  # the only ones it takes; () any
 
 
 TANKS: Final = ("bank_main", "bank_emergency")
 MEASURES: Final[Mapping[str, Measure]] = {
     "overshoot": Measure(
-        ("quantity", "target"),
-        ("band",),
         ITS_OWN,
         "furthest of {q} beyond {t}, seen from where it began; no value short of it{by}",
         "the furthest",
+        needs=("quantity", "target"),
+        may=("band",),
     ),
     "time-to": Measure(
-        ("quantity", "target", "band"),
-        (),
         "s",
         "time until {q} is within {b} of {t} and stays there to the end",
         "when it is",
+        needs=("quantity", "target", "band"),
     ),
     "reach": Measure(
-        ("quantity", "target", "band"),
-        (),
         "s",
         "time until {q} is within {b} of {t} and stays there; no value if it was there at once",
         "when it is",
+        needs=("quantity", "target", "band"),
     ),
     "settled": Measure(
-        ("quantity", "target", "band"),
-        (),
         "%",
         "share of the last 120 s with {q} within {b} of {t}; no value if it was there at once",
         "the furthest from it",
+        needs=("quantity", "target", "band"),
     ),
-    "final": Measure(
-        ("quantity",),
-        ("target",),
-        ITS_OWN,
-        "{q} at the end{f}",
-        "the end",
-    ),
+    "final": Measure(ITS_OWN, "{q} at the end{f}", "the end", needs=("quantity",), may=("target",)),
     "rms": Measure(
-        ("quantity",),
-        ("target",),
         ITS_OWN,
         "root of the mean of ({q} - {t})^2, a term for each tick",
         "the furthest from it",
+        needs=("quantity",),
+        may=("target",),
     ),
     "in-band": Measure(
-        ("quantity", "band"),
-        ("target",),
         "%",
         "share of the ticks with {q} within {b} of {t}",
         "the furthest from it",
+        needs=("quantity", "band"),
+        may=("target",),
     ),
-    "highest": Measure(("quantity",), (), ITS_OWN, "greatest {q}", "when it was"),
-    "lowest": Measure(("quantity",), (), ITS_OWN, "least {q}", "when it was"),
+    "highest": Measure(ITS_OWN, "greatest {q}", "when it was", needs=("quantity",)),
+    "lowest": Measure(ITS_OWN, "least {q}", "when it was", needs=("quantity",)),
     "largest": Measure(
-        ("quantity",), ("target",), ITS_OWN, "greatest {q} either way{f}", "when it was"
+        ITS_OWN, "greatest {q} either way{f}", "when it was", needs=("quantity",), may=("target",)
     ),
     "activity": Measure(
-        (),
-        ("quantity",),
         "deg/min",
         "sum of what {q} moved from tick to tick, by the time",
         "the fastest",
-        tuple(SURFACES),
+        may=("quantity",),
+        quantities=tuple(SURFACES),
     ),
-    "distance": Measure(
-        (),
-        (),
-        "m",
-        "sum of the way over the ground from tick to tick",
-        "the last",
-    ),
+    "distance": Measure("m", "sum of the way over the ground from tick to tick", "the last"),
     "closest-approach": Measure(
-        (),
-        (),
-        "m",
-        "least range to any ship, middle to middle, straight between ticks",
-        "when it was",
+        "m", "least range to any ship, middle to middle, straight between ticks", "when it was"
     ),
     "exposed": Measure(
-        (),
-        (),
         "s",
         "number of ticks with the periscope's head out of the water, times the step",
         "the first",
     ),
-    "exposed-raise": Measure(
-        (),
-        (),
-        "s",
-        "the same of the raise of the mast that has most",
-        "its first",
-    ),
+    "exposed-raise": Measure("s", "the same of the raise of the mast that has most", "its first"),
     "time-to-detect": Measure(
-        (),
-        (),
         "s",
         "longest time from when a ship came in sight to a mark of it: `mark contact 045`, "
         "within 3 deg; 30 s more for each mark of no ship seen; no value where a ship was not "
@@ -138,54 +108,39 @@ MEASURES: Final[Mapping[str, Measure]] = {
         "the mark",
     ),
     "broaches": Measure(
-        (),
-        (),
         "-",
         "times that sail or deck came out of the sea, main ballast not being blown",
         "the first",
     ),
     "aground": Measure(
-        (),
-        (),
         "-",
         "times that the ground carried the boat, not counting where it was laid down well",
         "the first",
     ),
     "beyond-limits": Measure(
-        (),
-        (),
-        "s",
-        "number of ticks beyond any limit of the exercise, times the step",
-        "the first",
+        "s", "number of ticks beyond any limit of the exercise, times the step", "the first"
     ),
     "beyond-test-depth": Measure(
-        (),
-        (),
-        "m",
-        "furthest that the hull's lowest point was beyond test depth",
-        "the furthest",
+        "m", "furthest that the hull's lowest point was beyond test depth", "the furthest"
     ),
     "time-beyond-test-depth": Measure(
-        (),
-        (),
         "s",
         "number of ticks with the hull's lowest point beyond test depth, times the step",
         "the first",
     ),
     "response": Measure(
-        ("casualty",),
-        ("orders",),
         "s",
         "time from the first onset of {c} to the crew's next order{o}",
         "the order",
+        needs=("casualty",),
+        may=("orders",),
     ),
     "reserve-air": Measure(
-        (),
-        ("quantity",),
         "%",
         "least of the air in {q} as a share of full",
         "when it was",
-        TANKS,
+        may=("quantity",),
+        quantities=TANKS,
     ),
 }
 TIMELESS: Final = ("response",)  # look at the whole record
@@ -284,8 +239,7 @@ def understood(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
         problems.append(place.wrong("zero", score.zero, "must not be the value of full"))
     if score.to_s is not None and score.to_s < (score.from_s or 0.0):
         problems.append(place.wrong("to_s", score.to_s, "is before from_s"))
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return Rule(score=score, measured=measured or None, conditions=conditions, **found)
 
 
@@ -342,8 +296,7 @@ def read_rules(
         for name in dict.fromkeys(names)
         if names.count(name) > 1
     ]
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return tuple(rules)
 
 
@@ -357,8 +310,7 @@ def _read_rule(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
         problems += _unfit(score, place)
     if not problems:
         problems += _check_target(rule, place)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return rule
 
 

@@ -22,6 +22,7 @@ from trainer.config.files import (
     path_named,
     quote,
     read_text,
+    refuse,
     shipped,
 )
 from trainer.config.schema import (
@@ -126,8 +127,7 @@ def parse_sea(text: str, path: Path) -> SeaFile:
     with collecting(problems):
         if "current" in table:
             world["current"] = read_current(table["current"], place.inside("current"), path)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     name = table.get("name", path.stem)
     return SeaFile(path=path, text=text, name=name, sea=sea, world=world)
 

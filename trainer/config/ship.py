@@ -301,11 +301,11 @@ def ship_schema() -> dict[str, Any]:
     """Return the JSON Schema of a ship's file."""
     heading = record_schema(ShipHeading, ("note", "source"))
     tables = {name: record_schema(record, ("note",)) for name, record in TABLES.items()}
-    row = list_schema(NUMBER.schema, 1, MOST_ROWS)
+    row = list_schema(NUMBER.form.schema, 1, MOST_ROWS)
     numbers = {
-        "coefficients": ("accelerations in prime units", NUMBER.schema),
+        "coefficients": ("accelerations in prime units", NUMBER.form.schema),
         "covariance": ("rows in the order of the names", row),
-        "ranges": ("seen in the records", list_schema(NUMBER.schema, 2, 2)),
+        "ranges": ("seen in the records", list_schema(NUMBER.form.schema, 2, 2)),
     }
     named = {
         key: {"type": "object", "description": told, "additionalProperties": each}

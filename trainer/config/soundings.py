@@ -55,7 +55,13 @@ def read_as_kept(path: Path, kept: str) -> str:
 
 def _as_text(path: Path) -> str:
     """Return the grid in a file on disk as a text."""
-    data = _bytes(path)
+    try:
+        with path.open("rb") as file:
+            data = file.read(BYTES + 1)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(data) > BYTES:
+        raise ConfigError(f"{path}: is larger than the limit of {BYTES} bytes; not read")
     tiff = data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
     grid = read_geotiff(path) if tiff else read_ascii(data, path)
     rows, columns = grid.values.shape
@@ -74,17 +80,6 @@ def _from_text(text: str, path: Path) -> Grid:
     except (ValueError, zlib.error):
         raise ConfigError(f"{path}: is no grid as recordings keep one") from None
     return Grid(values, west, south, (down, across), degrees)
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            data = file.read(BYTES + 1)
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
-    if len(data) > BYTES:
-        raise ConfigError(f"{path}: is larger than the limit of {BYTES} bytes; not read")
-    return data
 
 
 # ESRI ASCII
@@ -294,8 +289,8 @@ def on_the_plane(grid: Grid, position: Position) -> Grid:
     between its knots: off by 0.1 m where they are 3 km apart.
     """
     rows, columns = grid.values.shape
-    cell = max(grid.cell[0] * METRES, math.sqrt(_area(grid, position) / CELLS))
     (south, north), (west, east) = _extent(grid, position)
+    cell = max(grid.cell[0] * METRES, math.sqrt((north - south) * (east - west) / CELLS))
     shape = int((north - south) / cell) + 1, int((east - west) / cell) + 1
     _refuse_large(*shape, Path("the grid on the plane"))
     latitude, longitude = _positions(position, (south, west), cell, shape)
@@ -318,11 +313,6 @@ def _extent(grid: Grid, position: Position) -> tuple[tuple[float, float], tuple[
         ((north[1] - latitude) * METRES, (north[0] - latitude) * METRES),
         ((east[1] - longitude) * across, (east[0] - longitude) * across),
     )
-
-
-def _area(grid: Grid, position: Position) -> float:
-    (south, north), (west, east) = _extent(grid, position)
-    return (north - south) * (east - west)
 
 
 def _positions(

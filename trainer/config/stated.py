@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.config.condition import Condition, compile_conditions
-from trainer.config.files import ConfigError, Place, collecting, quote
+from trainer.config.files import ConfigError, Place, collecting, quote, refuse
 from trainer.config.schema import Choice, Quantity, Rows, Text, Texts, of, optional, usual, within
 from trainer.config.score_rules import Measured, parse_quantity
 from trainer.io.orders.schedule import LATEST, Scheduled, parse_entry
@@ -170,8 +170,7 @@ def read_stated(table: Mapping[str, object], place: Place) -> tuple[Stated, ...]
         for i, row in enumerate(STATED.read("stated", table.get("stated", []), place)):
             with collecting(problems):
                 stated.append(_read_row(row, page, place.inside(f"stated[{i}]")))
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return tuple(stated)
 
 
@@ -189,9 +188,17 @@ def _read_row(row: StatedRow, page: str, place: Place) -> Stated:
     with collecting(problems):
         measured = parse_quantity(row.quantity, place) if row.quantity else None
     with collecting(problems):
-        orders = _read_orders(row, place)
-    if problems:
-        raise ConfigError(*problems)
+        # the orders that a flight has besides; ConfigError with the first that is none
+        entries = []
+        for i, line in enumerate(row.orders or ()):
+            entry = parse_entry(line, 0)
+            if not isinstance(entry, Scheduled):
+                raise ConfigError(place.wrong(f"orders[{i}]", line, entry or "is no order"))
+            if entry.order.name not in BOAT_ORDERS:
+                raise ConfigError(place.wrong(f"orders[{i}]", line, "moves no boat"))
+            entries.append(entry)
+        orders = tuple(entries)
+    refuse(problems)
     stated = Stated(row=row, conditions=conditions, measured=measured, orders=orders)
     if problem := _unlike(stated):
         raise ConfigError(place.wrong("says", row.says, problem))
@@ -220,16 +227,3 @@ def _lacking(row: StatedRow, place: Place) -> Iterator[str]:
         yield place.problem("lacks measure, value: quantity goes with both")
     elif row.quantity is not None and (row.measure == "value") != (row.at_s is not None):
         yield place.problem('at_s goes with when, or with measure = "value"')
-
-
-def _read_orders(row: StatedRow, place: Place) -> tuple[Scheduled, ...]:
-    """Return the orders that a flight has besides; ConfigError with the first that is none."""
-    entries = []
-    for i, line in enumerate(row.orders or ()):
-        entry = parse_entry(line, 0)
-        if not isinstance(entry, Scheduled):
-            raise ConfigError(place.wrong(f"orders[{i}]", line, entry or "is no order"))
-        if entry.order.name not in BOAT_ORDERS:
-            raise ConfigError(place.wrong(f"orders[{i}]", line, "moves no boat"))
-        entries.append(entry)
-    return tuple(entries)

@@ -197,7 +197,12 @@ def read_table(path: Path) -> Table:
     twice = [name for name in dict.fromkeys(heads) if heads.count(name) > 1]
     if twice:
         raise ConfigError(f"{path}: column {quote(twice[0])} is given twice")
-    _drop_empty(rows, told)
+    # take empty rows off the end
+    count = len(rows)
+    while rows and not any(rows[-1][1]):
+        rows.pop()
+    if len(rows) < count:
+        told.append(f"{count - len(rows)} empty last rows left out")
     _check_fields(path, heads, rows, separator)
     units = _units(heads, rows, told)
     _mend_commas(path, heads, rows, told)
@@ -253,15 +258,6 @@ def _check_heading(path: Path, heads: Sequence[str], text: str) -> None:
                 f"{path}: line {first}: one heading, and rows of {size} columns: write the "
                 f"headings of all columns there, {EXAMPLE}, and leave out other text"
             )
-
-
-def _drop_empty(rows: Rows, told: list[str]) -> None:
-    """Take empty rows off the end."""
-    count = len(rows)
-    while rows and not any(rows[-1][1]):
-        rows.pop()
-    if len(rows) < count:
-        told.append(f"{count - len(rows)} empty last rows left out")
 
 
 def _check_fields(path: Path, heads: Sequence[str], rows: Rows, separator: str) -> None:

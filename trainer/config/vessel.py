@@ -21,6 +21,7 @@ from trainer.config.files import (
     parse_toml,
     path_named,
     read_text,
+    refuse,
     shipped,
 )
 from trainer.config.propulsion import DRAG_ASTERN, Thrust, thrust_of, thrust_problems
@@ -202,8 +203,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
     absent = tuple(term.key for term in COEFFICIENTS if term.key not in parts["coefficients"])
     parts["coefficients"] = dict.fromkeys(absent, 0.0) | parts["coefficients"]
     problems = _fit_problems(parts, place)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     parts["vessel"] = with_deepest_order(parts["vessel"])
     thrust = _thrust(parts)
     remarks = {
@@ -212,28 +212,19 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         "wave_strips": _strip_remarks(parts),
         "ballast": _tank_remarks(parts),
     }
+    coefficients = parts.pop("coefficients")
     return VesselFile(
         path=path,
         text=text,
         name=table.get("name", path.stem),
-        fluid=parts["fluid"],
-        hull=parts["vessel"],
-        propulsion=parts["propulsion"],
+        hull=parts.pop("vessel"),
         thrust=thrust,
-        envelope=parts["envelope"],
-        surfaces=parts["control_surfaces"],
-        coefficients={term.key: parts["coefficients"][term.key] for term in COEFFICIENTS},
+        surfaces=parts.pop("control_surfaces"),
+        coefficients={term.key: coefficients[term.key] for term in COEFFICIENTS},
         absent=absent,
-        compensation=parts["compensation"],
-        compact=parts["compact"],
-        run=parts["run"],
-        autopilot=parts.get("autopilot"),
-        ballast=parts.get("ballast"),
-        free_surface=parts.get("free_surface"),
-        wave_strips=parts.get("wave_strips"),
-        scope=parts.get("scope"),
         defaulted=tuple(defaulted),
         remarks=tuple(_placed(remarks, place)),
+        **{**dict.fromkeys(OPTIONAL_TABLES), **parts},
     )
 
 
@@ -302,8 +293,7 @@ def _read_parts(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
         extra = parts["compact"].extra_terms if "compact" in parts else EXTRA_TERMS
         here = place.inside("compensation")
         parts["compensation"] = read_compensation(table.get("compensation", {}), here, extra)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return parts
 
 

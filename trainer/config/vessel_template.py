@@ -87,7 +87,7 @@ class Writer:
 
     def _note(self, table: str, key: str, kind: Kind) -> str:
         """Return the comment on a key: unit, law and meaning."""
-        unit, limits, meaning = kind.cells
+        unit, limits, meaning, _ = kind.form
         law = law_of(table, key, kind)
         words = f"{unit}, {formula(law.power)}" if law.power and self._factor != SAME else unit
         reason = f"; {law.reason}" if law.reason and self._factor != SAME else ""

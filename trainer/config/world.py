@@ -18,7 +18,7 @@ from trainer.config.contacts import (
     read_encounters,
 )
 from trainer.config.current import current_schema, read_current
-from trainer.config.files import ConfigError, Place, collecting
+from trainer.config.files import Place, collecting, refuse
 from trainer.config.schema import record_schema
 
 # by the name of the table: from what it holds, its place, and the exercise's path to a record
@@ -56,8 +56,7 @@ def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
         problems += filter(
             None, (_aground(found["bottom"], ship) for ship in found.get("contact", ()))
         )
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return found
 
 

@@ -32,17 +32,13 @@ from trainer.console.guide import Ending, PlanView, answer, briefing, guide
 from trainer.console.keys import (
     KEYS,
     Act,
-    Again,
+    Deed,
     Give,
     Hasten,
-    Leave,
     Move,
     Open,
     Pump,
-    Repeat,
-    Ring,
     Scroll,
-    Toggle,
     Widen,
     Write,
     by_name,
@@ -238,16 +234,16 @@ class Console(App[str], inherit_bindings=False):
         words = self._ordered(act)
         self._give(act, words)
         match act:
-            case Again() if not words:
+            case Deed.AGAIN if not words:
                 self._open(Moments(self.model, replays=True))
             case Open(dialog):
                 before = self.model.crew.to_repeat(self.model.role)
                 self._open(DIALOGS[dialog](self.model), partial(self._ordered_since, before))
             case Write(text):
                 self.query_one(Entry).begin(text)
-            case Repeat() if not words:
+            case Deed.REPEAT if not words:
                 self.query_one(Entry).begin("")
-            case Ring():
+            case Deed.RING:
                 self._silent = not self._silent
                 said = "off" if self._silent else "on"
                 self.model.journal.add(None, "station", f"the bell is {said}")
@@ -255,7 +251,7 @@ class Console(App[str], inherit_bindings=False):
                 self.span = min(max(self.span + steps, 0), len(SPANS) - 1)
             case Scroll(lines):
                 self.model.journal.look_back(lines)
-            case Leave():
+            case Deed.LEAVE:
                 self._leave()
         self._look()
 
@@ -272,7 +268,7 @@ class Console(App[str], inherit_bindings=False):
         match act:
             case Give(given):
                 words = given
-            case Toggle():
+            case Deed.TOGGLE:
                 words = "run" if picture.frozen else "freeze"
             case Hasten(steps):
                 words = f"time {nearest(PACES, picture.pace, steps):g}"
@@ -280,9 +276,9 @@ class Console(App[str], inherit_bindings=False):
                 words = self._levers.move(surface, by, self.model)
             case Pump(tank, tonnes):
                 words = self._levers.pump(tank, tonnes, self.model)
-            case Repeat():
+            case Deed.REPEAT:
                 words = self._repeat()
-            case Again() if picture.word("time", "replay") == "yes":
+            case Deed.AGAIN if picture.word("time", "replay") == "yes":
                 words = "take over"
         return words
 
@@ -371,12 +367,8 @@ class Console(App[str], inherit_bindings=False):
     @property
     def _at_controls(self) -> bool:
         """Return whether keys are those of controls: no order is typed, no dialog is open."""
-        return (
-            self._mounted
-            and not self.model.instructs
-            and len(self.screen_stack) == 1
-            and self.focused is None
-        )
+        free = len(self.screen_stack) == 1 and self.focused is None
+        return self._mounted and not self.model.instructs and free
 
     @property
     def _typing(self) -> bool:

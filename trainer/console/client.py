@@ -169,11 +169,8 @@ class Client:
         if sentence.tag != ROLE:
             self._items.append(sentence)
             return False
-        return self._enter(open_line, sentence)
-
-    def _enter(self, open_line: Line, answer: Sentence) -> bool:
-        """Hear whether the role is taken; say what is wanted if it is."""
-        kind, text = answer.fields
+        # hear whether the role is taken; say what is wanted if it is
+        kind, text = sentence.fields
         if kind == "no":
             self._closing.set()
             self._items.append(Barred(text))

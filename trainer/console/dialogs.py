@@ -107,7 +107,14 @@ class Choice:
             return Done((f"clear {self.chosen.name}",))
         if key == "ctrl+x" and self.clears:
             return Done(("clear all",))
-        self._edit(key, character)
+        moves = {"up": -1, "down": 1, "pageup": -10, "pagedown": 10}
+        last = max(len(self.shown) - 1, 0)
+        if key in moves:
+            self.moved = min(max(self.place + moves[key], 0), last)
+        elif key == "backspace":
+            self.typed, self.moved = self.typed[:-1], None
+        elif character and character.isprintable():
+            self.typed, self.moved = self.typed + character, None
         return None
 
     def click(self, _column: int, row: int, _width: int) -> Done | None:
@@ -119,16 +126,6 @@ class Choice:
             return Done((self.order,))
         self.moved = place
         return None
-
-    def _edit(self, key: str, character: str | None) -> None:
-        moves = {"up": -1, "down": 1, "pageup": -10, "pagedown": 10}
-        last = max(len(self.shown) - 1, 0)
-        if key in moves:
-            self.moved = min(max(self.place + moves[key], 0), last)
-        elif key == "backspace":
-            self.typed, self.moved = self.typed[:-1], None
-        elif character and character.isprintable():
-            self.typed, self.moved = self.typed + character, None
 
     def draw(self, width: int, height: int) -> Lines:
         """Return the dialog."""

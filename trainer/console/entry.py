@@ -167,16 +167,13 @@ class Entry(Input):
                 return
             event.prevent_default()
             event.stop()
-            self._edit(event.key)
-
-    def _edit(self, key: str) -> None:
-        if key == "escape":
-            self.value = ""
-        elif key == "tab":
-            self.value = complete(self.value, self._known)
-            self.cursor_position = len(self.value)
-        else:
-            self._look(-1 if key == "up" else 1)
+            if event.key == "escape":
+                self.value = ""
+            elif event.key == "tab":
+                self.value = complete(self.value, self._known)
+                self.cursor_position = len(self.value)
+            else:
+                self._look(-1 if event.key == "up" else 1)
 
     def _look(self, way: int) -> None:
         """Show the order before or after the one shown."""

@@ -130,12 +130,10 @@ class Reading:
         self.top = min(self.top, self._last)
         shown = lines[self.top : self.top + room]
         shown += [line()] * (room - len(shown))
-        return [fit(each, width) for each in (self._heading(), *shown, self._foot(lines, room))][
-            :height
-        ]
-
-    def _heading(self) -> Line:
-        return line((f" {self.title}", "title"))
+        return [
+            fit(each, width)
+            for each in (line((f" {self.title}", "title")), *shown, self._foot(lines, room))
+        ][:height]
 
     def _foot(self, lines: Sequence[Line], room: int) -> Line:
         """Return what more there is, and the keys."""

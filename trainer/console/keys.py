@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import Enum
 from typing import Final
 
 
@@ -10,11 +11,6 @@ class Give:
     """Give this order."""
 
     words: str
-
-
-@dataclass(frozen=True)
-class Toggle:
-    """Freeze time, or let it go on."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +51,6 @@ class Write:
 
 
 @dataclass(frozen=True)
-class Repeat:
-    """Repeat the order to the crew that is new; without one begin an order."""
-
-
-@dataclass(frozen=True)
 class Widen:
     """Change how far the charts go back."""
 
@@ -73,36 +64,17 @@ class Scroll:
     lines: int
 
 
-@dataclass(frozen=True)
-class Again:
-    """Replay, or end the replay that runs."""
+class Deed(Enum):
+    """The deeds of keys that need no more words."""
+
+    TOGGLE = "freeze time, or let it go on"
+    REPEAT = "repeat the order to the crew that is new; without one begin an order"
+    AGAIN = "replay, or end the replay that runs"
+    LEAVE = "leave the session, or end one's own"
+    RING = "switch the terminal's bell on or off"
 
 
-@dataclass(frozen=True)
-class Leave:
-    """Leave the session, or end one's own."""
-
-
-@dataclass(frozen=True)
-class Ring:
-    """Switch the terminal's bell on or off."""
-
-
-Act = (
-    Give
-    | Toggle
-    | Hasten
-    | Move
-    | Pump
-    | Open
-    | Write
-    | Repeat
-    | Widen
-    | Scroll
-    | Again
-    | Leave
-    | Ring
-)
+Act = Give | Hasten | Move | Pump | Open | Write | Widen | Scroll | Deed
 
 
 @dataclass(frozen=True)
@@ -126,10 +98,10 @@ BRIEF: Final = Key(
     "the exercise: task, time left, how to win, limits",
     Open("briefing"),
 )
-BELL: Final = Key(("ctrl+g",), "Ctrl-G", "", "switch the bell off or on", Ring())
+BELL: Final = Key(("ctrl+g",), "Ctrl-G", "", "switch the bell off or on", Deed.RING)
 PLAN: Final = Key(("ctrl+t",), "Ctrl-T", "", "the track from above", Open("plan"))
-LEAVE: Final = Key(("f10", "ctrl+c"), "F10", "leave", "leave; the session goes on", Leave())
-END: Final = Key(("f10", "ctrl+c"), "F10", "quit", "end the run, or leave it", Leave())
+LEAVE: Final = Key(("f10", "ctrl+c"), "F10", "leave", "leave; the session goes on", Deed.LEAVE)
+END: Final = Key(("f10", "ctrl+c"), "F10", "quit", "end the run, or leave it", Deed.LEAVE)
 LOG: Final = (
     Key(("pageup",), "Page Up", "", "look back in the log", Scroll(PAGE)),
     Key(("pagedown",), "Page Down", "", "look forward in the log", Scroll(-PAGE)),
@@ -143,18 +115,18 @@ REPEAT: Final = Key(
     "Enter",
     "type/repeat",
     "repeat a new order (aye), or type an order",
-    Repeat(),
+    Deed.REPEAT,
 )
 TYPE: Final = Key(("colon",), ":", "", "type an order; Esc comes back", Write(""))
 
 INSTRUCTOR: Final = (
     HELP,
-    Key(("f2", "space"), "F2", "freeze", "stop time, or start it again", Toggle()),
+    Key(("f2", "space"), "F2", "freeze", "stop time, or start it again", Deed.TOGGLE),
     Key(("f3", "full_stop"), "F3", "step", "one tick, then frozen again", Give("step")),
     Key(("f4",), "F4", "break", "break something, or repair it", Open("casualties")),
     Key(("f5",), "F5", "sea", "change the sea", Open("sea")),
     Key(("f6",), "F6", "back", "go back in time, by the time line", Open("moments")),
-    Key(("f7",), "F7", "replay", "replay the last minutes, or end the replay", Again()),
+    Key(("f7",), "F7", "replay", "replay the last minutes, or end the replay", Deed.AGAIN),
     Key(("f8",), "F8", "keep", "keep this moment under a name", Write("snapshot ")),
     Key(("f9",), "F9", "mark", "mark this moment, with a remark", Write("mark ")),
     END,

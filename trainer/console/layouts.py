@@ -126,7 +126,7 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             "observer",
             ("time", "steering", "engine", "diving", "tanks", "air", "valves", "orders", "gauges"),
             charts_named("gauges", "depth", "heading"),
-            (Place("panel", panels.lookout, moving=True),),
+            (Place("panel", panels.pilot, moving=True),),
         ),
         Layout(
             "scope",

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple, Protocol
 
-from trainer.console.client import Barred, Greeting, Item, Joined, Lost
+from trainer.console.client import Greeting, Item, Joined, Lost
 from trainer.console.crew import CrewOrders
 from trainer.console.journal import Journal, Kept, Sample, Trace, entry_of, plan_of
 from trainer.console.readings import EVENTS, LATE, ChannelReadings, Past, Reading
@@ -188,13 +188,16 @@ class SessionModel:
             if isinstance(item, Sentence):
                 self._read(item)
             elif isinstance(item, Greeting):
-                self._greet(item.text)
+                # keep what whoever comes is told, the first time
+                if item.text not in self.briefing:
+                    self.briefing.append(item.text)
+                    self.journal.add(None, "briefing", item.text)
             elif isinstance(item, Joined):
                 self._join()
             elif isinstance(item, Lost):
                 self._lose(item.why)
             else:
-                self._bar(item)
+                self.joined, self.barred, self.trouble = False, item.why, item.why
 
     def _send(self, words: str, *, quiet: bool) -> bool:
         if not quiet:
@@ -233,15 +236,6 @@ class SessionModel:
         self._greeted = len(self.briefing)
         self.picture.forget()
 
-    def _bar(self, barred: Barred) -> None:
-        self.joined, self.barred, self.trouble = False, barred.why, barred.why
-
-    def _greet(self, text: str) -> None:
-        """Keep what whoever comes is told, the first time."""
-        if text not in self.briefing:
-            self.briefing.append(text)
-            self.journal.add(None, "briefing", text)
-
     # what the session says
 
     def _read(self, sentence: Sentence) -> None:
@@ -252,7 +246,11 @@ class SessionModel:
         elif sentence.kind == "TRA":
             self._answered(sentence)
         elif sentence.kind == "TRE":
-            self._happened(sentence)
+            _, seconds, kind, text = sentence.fields
+            self.journal.add(float(seconds), kind, text)
+            self.rings += kind in RINGING
+            if kind in ("marks", "exercise"):
+                self._hear_marks(text, told=kind == "marks")
         elif sentence.kind == "TRF":
             self._note(sentence)
         elif self.picture.take(sentence, self.clock()) == self.gauges:
@@ -344,13 +342,6 @@ class SessionModel:
         if not self._track or reading.seconds - self._track[-1][0] >= TRACKED:
             self._track.append((reading.seconds, north, east))
 
-    def _happened(self, sentence: Sentence) -> None:
-        _, seconds, kind, text = sentence.fields
-        self.journal.add(float(seconds), kind, text)
-        self.rings += kind in RINGING
-        if kind in ("marks", "exercise"):
-            self._hear_marks(text, told=kind == "marks")
-
     def _note(self, sentence: Sentence) -> None:
         """Take a fact: what has happened, or what there is, in fields."""
         _, told, what, subject = sentence.fields
@@ -359,7 +350,13 @@ class SessionModel:
             self.over = what == "over"
             self._awaited = -math.inf if self.over else self.clock() + AWAITED
         elif what == "back":
-            self._go_back(seconds)
+            # forget what lies after a moment gone back to
+            self.marks = [kept for kept in self.marks if kept.seconds <= seconds]
+            self.crew.go_back()
+            self._go_on()
+            self.furthest = seconds
+            if self.instructs:
+                self.ask("snapshots")
         elif what == "mark":
             self.marks.append(Kept(seconds, "M", subject or "marked"))
         elif what == "order":
@@ -374,7 +371,11 @@ class SessionModel:
     def _list(self, seconds: float, what: str, subject: str) -> None:
         """Take an entry of a list: ranges, snapshots, casualties on offer, plans."""
         if what == "range":
-            self._know(subject)
+            # keep a range of the vessel: "rudder=30", "bell=ahead full:12" as "ahead full"
+            key, _, value = subject.partition("=")
+            name, colon, size = value.rpartition(":")
+            with contextlib.suppress(ValueError):
+                self.ranges[name if colon else key] = float(size)
         elif what == "snapshot":
             self._snapshots.append(Kept(seconds, "S", subject))
         elif what == "casualty":
@@ -384,13 +385,6 @@ class SessionModel:
             self.plans.clear()
         elif what == "planned":
             self.plans += plan_of(subject)
-
-    def _know(self, told: str) -> None:
-        """Keep a range of the vessel: "rudder=30", "bell=ahead full:12" as "ahead full"."""
-        key, _, value = told.partition("=")
-        name, colon, size = value.rpartition(":")
-        with contextlib.suppress(ValueError):
-            self.ranges[name if colon else key] = float(size)
 
     def _order_crew(self, seconds: float, what: str, subject: str) -> None:
         """Take an order to the crew, or its repeat; who has given one does not repeat it."""
@@ -456,7 +450,11 @@ class SessionModel:
             self._show_answer(asked, kind, text)
         if kind == "ok":
             self.ended = self.ended or asked.words == "quit"
-            self._learn(asked)
+            # keep what was told in fields before this answer
+            if asked.words == "snapshots":
+                self.snapshots, self._snapshots = self._snapshots, []
+            elif asked.words == "casualties":
+                self.casualties, self._casualties = self._casualties, []
         else:
             self.refused += 1
             self._own -= min(self._own, gives_crew(asked.words))
@@ -468,13 +466,6 @@ class SessionModel:
             self.answers.append((asked.words, [*asked.lines, text]))
         if text:
             self.journal.add(None, "answer" if kind == "ok" else "refused", text)
-
-    def _learn(self, asked: Asked) -> None:
-        """Keep what was told in fields before this answer."""
-        if asked.words == "snapshots":
-            self.snapshots, self._snapshots = self._snapshots, []
-        elif asked.words == "casualties":
-            self.casualties, self._casualties = self._casualties, []
 
     def _remember(self, seconds: float, words: str) -> None:
         """Keep on the time line what is worth going back to."""
@@ -488,12 +479,3 @@ class SessionModel:
         """Forget how an exercise ended: it is flown again, or another is."""
         self.outcome, self._over_at = "", 0.0
         self.marks_told.clear()
-
-    def _go_back(self, seconds: float) -> None:
-        """Forget what lies after a moment gone back to."""
-        self.marks = [kept for kept in self.marks if kept.seconds <= seconds]
-        self.crew.go_back()
-        self._go_on()
-        self.furthest = seconds
-        if self.instructs:
-            self.ask("snapshots")

@@ -15,10 +15,11 @@ import sys
 import tempfile
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, NoReturn, Protocol
+from typing import Final, NoReturn
 
 import click
 
@@ -29,41 +30,30 @@ from trainer.io import paths
 LOOK = 0.004  # [s] between looks at whether it has ended
 
 
-class Process(Protocol):
+class Process(ABC):
     """A session's process, its words kept for us."""
 
-    @property
-    def out(self) -> str:
-        """Return what it has written to its standard output."""
-        ...
+    @abstractmethod
+    def written(self, stream: str) -> str:
+        """Return what it has written to its standard output, "out", or to its errors, "err"."""
 
-    @property
-    def err(self) -> str:
-        """Return what it has written to its standard error."""
-        ...
-
+    @abstractmethod
     def ended(self) -> int | None:
-        """Return its exit code, None while it is at work."""
-        ...
+        """Return its exit code, of a signal negative; None while it is at work."""
+
+    @abstractmethod
+    def terminate(self) -> None:
+        """Ask it to end."""
 
     def wait(self, patience: float) -> int | None:
         """Return its exit code once it has ended. None if it has not in ``patience`` [s]."""
-        ...
-
-    def terminate(self) -> None:
-        """Ask it to end."""
-        ...
-
-
-def wait_for(process: Process, patience: float) -> int | None:
-    """Return a process's exit code once it has ended. None if it has not in ``patience`` [s]."""
-    end = time.monotonic() + patience
-    while (code := process.ended()) is None and time.monotonic() < end:
-        time.sleep(LOOK)
-    return code
+        end = time.monotonic() + patience
+        while (code := self.ended()) is None and time.monotonic() < end:
+            time.sleep(LOOK)
+        return code
 
 
-class Program:
+class Program(Process):
     """A program of our own beside this one, where no process can be forked."""
 
     def __init__(self, words: Sequence[str], environment: Mapping[str, str]) -> None:
@@ -84,30 +74,20 @@ class Program:
     def _file(self, name: str) -> Path:
         return Path(self._folder.name) / name
 
-    @property
-    def out(self) -> str:
-        """Return what it has written to its standard output."""
-        return self._file("out").read_text(encoding="utf-8", errors="replace")
-
-    @property
-    def err(self) -> str:
-        """Return what it has written to its standard error."""
-        return self._file("err").read_text(encoding="utf-8", errors="replace")
+    def written(self, stream: str) -> str:
+        """Return what it has written to its standard output, or to its errors."""
+        return self._file(stream).read_text(encoding="utf-8", errors="replace")
 
     def ended(self) -> int | None:
         """Return its exit code, None while it is at work."""
         return self._process.poll()
-
-    def wait(self, patience: float) -> int | None:
-        """Return its exit code once it has ended. None if it has not in ``patience`` [s]."""
-        return wait_for(self, patience)
 
     def terminate(self) -> None:
         """Ask it to end."""
         self._process.terminate()
 
 
-class Child:
+class Child(Process):
     """A process of our own at some work."""
 
     def __init__(self, work: Callable[[], NoReturn]) -> None:
@@ -125,15 +105,11 @@ class Child:
             self._leave_home()
             work()
 
-    @property
-    def out(self) -> str:
-        """Return what it has written to its standard output."""
-        return _text(self._out.fileno())
-
-    @property
-    def err(self) -> str:
-        """Return what it has written to its standard error."""
-        return _text(self._err.fileno())
+    def written(self, stream: str) -> str:
+        """Return what it has written. The place of what is written next stays."""
+        descriptor = (self._out if stream == "out" else self._err).fileno()
+        size = os.fstat(descriptor).st_size
+        return os.pread(descriptor, size, 0).decode("utf-8", errors="replace")
 
     def ended(self) -> int | None:
         """Return its exit code, of a signal negative; None while it is at work."""
@@ -143,10 +119,6 @@ class Child:
                 if process:
                     self._code = os.waitstatus_to_exitcode(status)
         return self._code
-
-    def wait(self, patience: float) -> int | None:
-        """Return its exit code once it has ended. None if it has not in ``patience`` [s]."""
-        return wait_for(self, patience)
 
     def terminate(self) -> None:
         """Ask it to end."""
@@ -160,12 +132,6 @@ class Child:
         for ours, theirs in enumerate((nothing, self._out.fileno(), self._err.fileno())):
             os.dup2(theirs, ours)
         os.close(nothing)
-
-
-def _text(descriptor: int) -> str:
-    """Return what a file holds; the place where it is written next stays where it is."""
-    size = os.fstat(descriptor).st_size
-    return os.pread(descriptor, size, 0).decode("utf-8", errors="replace")
 
 
 PATIENCE: Final = 2.0  # [s] for a session that goes on to end all the same
@@ -259,7 +225,7 @@ class OwnSession:
 
     def _listens(self, where: str) -> str:
         """Return the address that the session listens at if it begins so, "" before."""
-        for text in self.session.err.splitlines():
+        for text in self.session.written("err").splitlines():
             found = text.removeprefix(f"{paths.LISTENING} ")
             if found == where or (where.endswith(":") and found.startswith(where)):
                 return found
@@ -267,7 +233,7 @@ class OwnSession:
 
     def pass_on(self) -> list[str]:
         """Pass on what the session complains of; return all that it has said there."""
-        said = self.session.err.splitlines()
+        said = self.session.written("err").splitlines()
         for text in said[self.passed :]:
             if not text.startswith(SOON):
                 click.echo(text, err=True)
@@ -280,7 +246,7 @@ class OwnSession:
         if code is None:
             click.echo("the session goes on for the others; `trainer attach` joins it again")
             return 0
-        click.echo(self.session.out, nl=False)
+        click.echo(self.session.written("out"), nl=False)
         self.pass_on()
         return code
 

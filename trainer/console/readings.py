@@ -112,15 +112,7 @@ class ChannelReadings:
         rate = last.number(RATES.get(name, ""))
         if rate is not None:
             return self._wrapped(name, value + rate * self._since(last, now))
-        return self._between(channel, name, value, now)
-
-    def _since(self, last: Reading, now: float) -> float:
-        """Return the time [s] of the boat since a reading, at most a tick's."""
-        step = last.seconds / last.tick if last.tick else 0.0
-        return min(max(now - last.arrived, 0.0) * self.pace, step)
-
-    def _between(self, channel: str, name: str, value: float, now: float) -> float:
-        """Return where a value is on its way from the reading before to the last one."""
+        # where a value is on its way from the reading before to the last one
         last, before = self.reading(channel), self.before.get(channel, NOTHING)
         start, took = before.number(name), last.arrived - before.arrived
         if start is None or not 0.0 < took < SLOWEST or before.tick >= last.tick:
@@ -129,6 +121,11 @@ class ChannelReadings:
         if name in ROUND:
             way = (way + 180.0) % 360.0 - 180.0
         return self._wrapped(name, start + way * min(max(now - last.arrived, 0.0) / took, 1.0))
+
+    def _since(self, last: Reading, now: float) -> float:
+        """Return the time [s] of the boat since a reading, at most a tick's."""
+        step = last.seconds / last.tick if last.tick else 0.0
+        return min(max(now - last.arrived, 0.0) * self.pace, step)
 
     def _wrapped(self, name: str, value: float) -> float:
         return value % 360.0 if name in ROUND else value

@@ -87,12 +87,15 @@ class Moments:
         """Return the dialog."""
         verb = "Replay from" if self.replays else "Go back to"
         kept = [line((f"   {self._said(each)}", "plain")) for each in moments(self.model)[-LIST:]]
+        # an arrow under the place on the time line
+        end = end_of(self.model)
+        room = width - 7 - 10
         lines = [
             line((f" {verb}", "title")),
             line(),
             line((f"   {clock(self.there)}", "value"), f"   {self.lapse:g} s ago"),
             *time_line(self.model, width, 1),
-            self._pointer(width),
+            line((" " * (7 + round(self.there / end * max(room - 1, 0))) + "▲", "value")),
             *(kept or [line(("   no snapshots, marks or casualties yet", "dim"))]),
             line(),
             line((" 1 to 9: minutes ago    Left, Right: 5 s    Shift with them: 1 min", "dim")),
@@ -105,9 +108,3 @@ class Moments:
     def _said(self, kept: Kept) -> str:
         """Return a moment in words."""
         return f"{clock(kept.seconds)}  {SIGNS[kept.sign]}: {kept.text}"
-
-    def _pointer(self, width: int) -> tuple[tuple[str, str], ...]:
-        """Return an arrow under the place on the time line."""
-        end = end_of(self.model)
-        room = width - 7 - 10
-        return line((" " * (7 + round(self.there / end * max(room - 1, 0))) + "▲", "value"))

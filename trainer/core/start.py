@@ -69,7 +69,7 @@ def set_out(
     (``stand_by_all``), and the sea must still be ordered.
     """
     s = state[0]
-    start_ballast(vessel, vessel, state)
+    start_ballast(vessel, state)
     rates(vessel, compact, scheme, state, scratch)
     for i in range(6):
         s.rates[i] = 0.0

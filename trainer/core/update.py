@@ -104,7 +104,7 @@ def outside(vessel: Record, scheme: Record, state: Record, scratch: Record) -> N
             work.station[i] = vessel[0].station_x[i]
     wave_forces(vessel, scratch, state, work.external)
     surface_forces(vessel, state, work.external)
-    add_compression(vessel, vessel, state, work.external)
+    add_compression(vessel, state, work.external)
     if s.bottom[0, 0] != 0.0:
         bottom_forces(vessel, scheme, state, work.external)
     for i in range(6):
@@ -132,7 +132,7 @@ def update(vessel: Record, compact: Record, scheme: Record, state: Record, scrat
     advance_casualties(state)
     autopilot(vessel, h, state, work.gains)
     if s.held_tanks == 0.0:
-        advance_ballast(vessel, vessel, h, state)
+        advance_ballast(vessel, h, state)
     advance_sea(vessel, h, scratch, state)
     outside(vessel, scheme, state, scratch)
     x, y, z = s.x, s.y, s.z

@@ -24,7 +24,6 @@ from trainer.boat.world.scope import (
     Mast,
     Periscope,
     Sight,
-    dip,
     elevation,
     eye_height,
     hidden,
@@ -114,11 +113,9 @@ def ship(north: float, east: float, course: float = 0.0, kind: str = "tanker") -
 
 def test_the_horizon_is_bowditch_s() -> None:
     assert horizon(1.9) == pytest.approx(5408.0, abs=0.5)
-    assert dip(1.9) / MINUTE == pytest.approx(2.42, abs=0.005)
+    assert -elevation(0.0, horizon(1.9), 1.9) / MINUTE == pytest.approx(2.42, abs=0.005)
     assert hidden(10_000.0, 1.9) == pytest.approx(1.37, abs=0.005)
     assert hidden(5000.0, 1.9) == 0.0
-    # what the horizon touches at its own distance is seen where the horizon is
-    assert elevation(0.0, horizon(1.9), 1.9) == pytest.approx(-dip(1.9), rel=1e-9)
 
 
 def test_a_ship_is_seen_by_its_angles_and_hidden_by_the_horizon() -> None:
@@ -131,7 +128,7 @@ def test_a_ship_is_seen_by_its_angles_and_hidden_by_the_horizon() -> None:
     assert sight.bottom == pytest.approx(elevation(0.0, 3000.0, 1.9))
     far = look_at(ship(20_000.0, 0.0), eye)
     assert far is not None
-    assert far.bottom == pytest.approx(-dip(1.9), rel=1e-3)
+    assert far.bottom == pytest.approx(elevation(0.0, horizon(1.9), 1.9), rel=1e-3)
     assert look_at(ship(40_000.0, 0.0), eye) is None
     assert look_at(ship(3000.0, 0.0), eye._replace(height=-0.1)) is None
 

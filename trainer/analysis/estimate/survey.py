@@ -274,7 +274,7 @@ def _inputs(
             key = ".".join(str(step) for step in where)
             if steps[0] == "surfaces":
                 key = f"{given['name']}: {item.name}"
-            unit = item.metadata["kind"].cells[0]
+            unit = item.metadata["kind"].form.unit
             yield Input(key, unit, where, float(value), item.name in PLACES)
 
 

@@ -97,7 +97,7 @@ def under_way(state: Record) -> bool:
 @kernel
 def make_ready(vessel: Record, h: float, state: Record) -> None:
     """Write the numbers that every tick of an ordinary boat writes alike."""
-    advance_ballast(vessel, vessel, h, state)
+    advance_ballast(vessel, h, state)
     state[0].eta_wave = 0.0
 
 

@@ -8,9 +8,11 @@ from trainer.config.files import ConfigError, Place
 from trainer.config.schema import (
     Choice,
     Flag,
+    KeyForm,
     Quantity,
     Rows,
     Text,
+    Whole,
     above,
     list_schema,
     of,
@@ -35,14 +37,11 @@ class Texts:
     most: int
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "list of text", f"1 to {self.most} texts", self.each.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return {**list_schema(self.each.schema, 1, self.most), "uniqueItems": True}
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        _, _, meaning, schema = self.each.form
+        schema = {**list_schema(schema, 1, self.most), "uniqueItems": True}
+        return KeyForm("list of text", f"1 to {self.most} texts", meaning, schema)
 
     def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
         """Return the texts; ConfigError if one is none or given twice."""
@@ -63,17 +62,12 @@ class Values:
     meaning: str
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "list", f"1 to {self.most} numbers, or words", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        numbers = Quantity("-", within(-BIG, BIG), self.meaning).schema
-        words = Text(200, self.meaning).schema
-        kinds = [list_schema(each, 1, self.most) for each in (numbers, words)]
-        return {"anyOf": kinds, "uniqueItems": True}
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
+        each = Quantity("-", within(-BIG, BIG), self.meaning), Text(200, self.meaning)
+        kinds = [list_schema(kind.form.schema, 1, self.most) for kind in each]
+        schema = {"anyOf": kinds, "uniqueItems": True}
+        return KeyForm("list", f"1 to {self.most} numbers, or words", self.meaning, schema)
 
     def read(self, key: str, value: object, place: Place) -> tuple[Any, ...]:
         """Return the numbers or words; ConfigError if they are neither, or mixed."""
@@ -86,33 +80,6 @@ class Values:
         if len(set(found)) < len(found):
             raise ConfigError(place.wrong(key, value, "must not give one twice"))
         return found
-
-
-@dataclass(frozen=True)
-class Whole:
-    """One whole number."""
-
-    low: int
-    high: int
-    meaning: str
-
-    @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "whole number", f"{self.low} to {self.high}", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
-        return {"type": "integer", "minimum": self.low, "maximum": self.high}
-
-    def read(self, key: str, value: object, place: Place) -> int:
-        """Return the number; ConfigError if it is none, or outside the limits."""
-        if isinstance(value, bool) or not isinstance(value, int):
-            raise ConfigError(place.wrong(key, value, "must be a whole number"))
-        if not self.low <= value <= self.high:
-            raise ConfigError(place.wrong(key, value, f"must be {self.low} to {self.high}"))
-        return value
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,6 +21,8 @@ from typing import Final
 
 from trainer.boat.ballast_orders import MAIN, SPACES
 from trainer.boat.boat import PLACES, Boat
+from trainer.boat.casualties import SIDES
+from trainer.boat.helm import NAMES
 from trainer.core.ballast.tanks import NEGATIVE, TANKS
 from trainer.core.state import VALVES
 from trainer.core.surfaces import SURFACES
@@ -28,8 +30,6 @@ from trainer.io.orders.quantities import NUMBERS
 from trainer.io.orders.table import SIGNS
 
 SLACK: Final = 1e-9  # [m/s] as helm forgives
-TURNING: Final = {"rudder": ("right", "left"), "stern": ("rise", "dive"), "bow": ("rise", "dive")}
-SAID: Final = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
 ZERO: Final = {"rudder": "amidships", "stern": "zero", "bow": "zero"}
 
 
@@ -73,15 +73,9 @@ def _place(name: str) -> str:
     return f"place:{PLACES[name]}"
 
 
-def _surfaces_carried(boat: Boat) -> list[str]:
-    """Return the surfaces that the boat has and that do something."""
-    limit = {name: boat.vessel[f"limit_{letter}"] for name, letter in SURFACES.items()}
-    return [name for name in SURFACES if boat.toward[name] and limit[name]]
-
-
 def _give_to_autopilot(boat: Boat, *names: str) -> dict[str, str]:
     """Return what gives those surfaces to the autopilot; what the boat lacks is passed over."""
-    given = [name for name in names if name in _surfaces_carried(boat)]
+    given = [name for name in names if boat.carries(name)]
     writes = {f"{name}_by_hand": _const(0.0) for name in given}
     if "rudder" in given:
         writes["ordered_psi"] = f"shorter:{PLACES['psi']}"
@@ -99,13 +93,13 @@ def _take_in_hand(*names: str) -> dict[str, str]:
 
 def _surfaces(boat: Boat) -> Iterator[str]:
     """Yield the orders to rudder and planes."""
-    for name in _surfaces_carried(boat):
-        letter, said, toward = SURFACES[name], SAID[name], boat.toward[name]
+    for name in filter(boat.carries, SURFACES):
+        letter, said, toward = SURFACES[name], NAMES[name], boat.toward[name]
         limit = float(boat.vessel[f"limit_{letter}"])
         unit = NUMBERS["ANGLE"].units[0].factor
         most = min(limit + 1e-12, NUMBERS["ANGLE"].high * unit)
         held = {f"{name}_by_hand": _const(1.0)}
-        for way in TURNING[name]:
+        for way in SIDES[name]:
             sign = SIGNS[way]
             angle = Range(min(sign * most, 0.0), max(sign * most, 0.0), sign * unit)
             yield _row(f"{said} {way}", {f"ordered_{letter}": f"number:{toward!r}", **held}, angle)
@@ -175,7 +169,18 @@ def _autopilot_orders(boat: Boat) -> Iterator[str]:
 
 def _ballast(boat: Boat) -> Iterator[str]:
     """Yield the orders to valves, pumps and compressor that this boat has."""
-    yield from _valves(MAIN)
+    # yield the orders to the valves of main ballast
+    named = {**{group: (group,) for group in MAIN}, "all": MAIN}
+    for said, meant in named.items():
+        yield _row(f"blow {said}", _main(meant, 1.0))
+        for position, vent in (("open", 1.0), ("shut", 0.0)):
+            vents = {f"vent_{group}": _const(vent) for group in meant}
+            yield _row(f"vent {said} {position}", vents)
+    shut = {f"blow_{valve}": _const(0.0) for valve in VALVES}
+    yield _row("blow stop", {**shut, "negative_flood": _const(0.0)})
+    yield _row("emergency blow", _main(MAIN, 2.0))
+    up = {"ordered_depth": _const(0.0), "hover": _const(0.0)}
+    yield _row("surface", {**_main(MAIN, 1.0), **up})
     if boat.vessel.capacity[NEGATIVE]:
         opened = {"negative_flood": _const(1.0)}
         for word, vent, blow in (("flood", 1.0, 0.0), ("blow", 0.0, 1.0)):
@@ -192,25 +197,10 @@ def _ballast(boat: Boat) -> Iterator[str]:
         yield _row("compressor off", {"compressor": _const(0.0)})
 
 
-def _main(groups: tuple[str, ...], blow: float, vent: float) -> dict[str, str]:
-    """Return what sets blow valves and vents of groups of main ballast."""
+def _main(groups: tuple[str, ...], blow: float) -> dict[str, str]:
+    """Return what sets blow valves of groups, and shuts the vents of main ballast."""
     blown = {f"blow_{group}": _const(blow) for group in groups}
-    return blown | {f"vent_{group}": _const(vent) for group in groups}
-
-
-def _valves(groups: tuple[str, ...]) -> Iterator[str]:
-    """Yield the orders to the valves of main ballast."""
-    named = {**{group: (group,) for group in groups}, "all": groups}
-    for said, meant in named.items():
-        yield _row(f"blow {said}", _main(meant, 1.0, 0.0))
-        for position, vent in (("open", 1.0), ("shut", 0.0)):
-            vents = {f"vent_{group}": _const(vent) for group in meant}
-            yield _row(f"vent {said} {position}", vents)
-    shut = {f"blow_{valve}": _const(0.0) for valve in VALVES}
-    yield _row("blow stop", {**shut, "negative_flood": _const(0.0)})
-    yield _row("emergency blow", _main(groups, 2.0, 0.0))
-    up = {"ordered_depth": _const(0.0), "hover": _const(0.0)}
-    yield _row("surface", {**_main(groups, 1.0, 0.0), **up})
+    return blown | {f"vent_{group}": _const(0.0) for group in groups}
 
 
 def _pumps(boat: Boat) -> Iterator[str]:

@@ -16,7 +16,6 @@ from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer.config.files import ConfigError
 
-PORTABLE: Final = "x86-64-v2"
 NATIVE: Final = "native"
 # what each level has over the one before it, by the names of Linux
 LEVELS: Final = {

@@ -34,6 +34,7 @@ from trainer.boat.export.lowering import (
     kernel_text,
     quote,
     sealed,
+    tick,
 )
 from trainer.boat.export.orders import rows
 from trainer.boat.export.targets import optimise
@@ -44,7 +45,6 @@ from trainer.core.kernel import Record
 from trainer.core.scheme import SCHEME
 from trainer.core.sea.sea import TAPER, order_sea
 from trainer.core.state import SCRATCH, STATE
-from trainer.core.update import update
 from trainer.core.vessel import COMPACT, VESSEL
 
 WASM32: Final = "wasm32"
@@ -69,12 +69,6 @@ PLAIN: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 CHILD: Final = "import sys; from trainer.boat.export import wasm; wasm.lower(*sys.argv[1:])"
 WANTED: Final = np.dtype(np.float64)  # of a sea: its quantities and the taper
 SETTLED: Final = range(8, places_of(SCHEME)["trigger_place"][0])  # all but step, triggers
-
-
-def tick(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> int:
-    """Advance the records at these addresses by one tick; return the status of ``update``."""
-    boat, few = carray(vessel, 1), carray(compact, 1)
-    return update(boat, few, carray(scheme, 1), carray(state, 1), carray(scratch, 1))
 
 
 def read(state: Any, scratch: Any) -> int:

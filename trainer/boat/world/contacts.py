@@ -31,7 +31,7 @@ from trainer.boat.world.tracks import (
     unreached,
 )
 from trainer.config.contacts import MOST, NAMED, RESERVED, TYPES, Contact, Encounters, ShipType
-from trainer.config.files import ConfigError, collecting, nearest
+from trainer.config.files import ConfigError, collecting, nearest, refuse
 from trainer.config.world import WorldTables
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -292,8 +292,7 @@ def ships_of(ships: Sequence[Contact], step: float) -> dict[str, Ship]:
     for each in ships:
         with collecting(problems):
             found[each.row.name] = _ship_of(each, step)
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
     return found
 
 

@@ -15,7 +15,7 @@ from trainer.boat.world.contacts import Contacts, Ship, contacts_in
 from trainer.boat.world.hulls import OwnHull, Pose, overlap
 from trainer.boat.world.tracks import Situation, situation
 from trainer.config.contacts import Encounters
-from trainer.config.files import ConfigError
+from trainer.config.files import refuse
 from trainer.core.kernel import Numbers
 
 STILL: Final = 0.1  # [m/s] of relative speed, below which there is no time of closest approach
@@ -76,8 +76,7 @@ def refuse_touching(boat: Any) -> None:
             for other, its in zip(contacts.given[:i], lying[:i], strict=True)
             if overlap((north, east, course, kind), its)
         ]
-    if problems:
-        raise ConfigError(*problems)
+    refuse(problems)
 
 
 def closest_approach(
@@ -250,7 +249,9 @@ class EncounterMonitor:
         news = []
         for i in np.flatnonzero(soon).tolist():
             name, closest = fleet.order[i].name, float(seen.closest[i])
-            if self._is_news(name, closest):
+            # whether a closest approach [m] has not been called yet, or has changed
+            before = self.called.get(name)
+            if before is None or abs(closest - before) > AGAIN * self.rules.cpa_m:
                 self.called[name] = closest
                 news.append(_call(fleet.order[i], Plot(*(each[i] for each in seen))))
         return news
@@ -276,11 +277,6 @@ class EncounterMonitor:
         turned = math.remainder(last.heading - first.heading, math.tau)
         course, speed = math.atan2(east, north), math.hypot(north, east)
         return own._replace(course=course, speed=speed, turning=turned / seconds)
-
-    def _is_news(self, name: str, closest: float) -> bool:
-        """Return whether a closest approach [m] has not been called yet, or has changed."""
-        before = self.called.get(name)
-        return before is None or abs(closest - before) > AGAIN * self.rules.cpa_m
 
     def account(self) -> str:
         """Return the closest that each ship has been, in words."""

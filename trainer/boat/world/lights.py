@@ -43,23 +43,19 @@ def _sides_and_stern(ship: ShipType) -> Iterator[Light]:
     yield Light("white", SIDE, math.tau - SIDE, aft, 0.0, 0.5 * height, stern)
 
 
-def _mastheads(ship: ShipType) -> Iterator[Light]:
-    """Yield one white light ahead, and from 50 m on a second, higher one aft of it."""
-    nm = _range(ship, 6.0, 5.0 if ship.length >= 20.0 else 3.0, 2.0)
-    large = ship.length >= LARGE
-    forward = ship.mast - 4.5 if large else ship.mast
-    yield Light("white", -SIDE, SIDE, 0.25 * ship.length, 0.0, forward, nm)
-    if large:
-        yield Light("white", -SIDE, SIDE, -0.25 * ship.length, 0.0, ship.mast, nm)
-
-
 def _all_round(ship: ShipType, colour: str, below: float, ahead: float = 0.0) -> Light:
     nm = _range(ship, 3.0, 2.0, 2.0)
     return Light(colour, 0.0, math.tau, ahead, 0.0, ship.mast - below, nm)
 
 
 def _under_way(ship: ShipType) -> Iterator[Light]:
-    yield from _mastheads(ship)
+    # yield one white light ahead, and from 50 m on a second, higher one aft of it
+    nm = _range(ship, 6.0, 5.0 if ship.length >= 20.0 else 3.0, 2.0)
+    large = ship.length >= LARGE
+    forward = ship.mast - 4.5 if large else ship.mast
+    yield Light("white", -SIDE, SIDE, 0.25 * ship.length, 0.0, forward, nm)
+    if large:
+        yield Light("white", -SIDE, SIDE, -0.25 * ship.length, 0.0, ship.mast, nm)
     yield from _sides_and_stern(ship)
 
 

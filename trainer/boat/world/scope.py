@@ -75,11 +75,6 @@ def horizon(eye: float) -> float:
     return math.sqrt(2.0 * EARTH * max(eye, 0.0))
 
 
-def dip(eye: float) -> float:
-    """Return how far [rad] the horizon is below the horizontal."""
-    return math.sqrt(2.0 * max(eye, 0.0) / EARTH)
-
-
 def elevation(height: float, distance: float, eye: float) -> float:
     """Return the elevation [rad] of a height [m] at a distance [m]."""
     return (height - eye) / distance - distance / (2.0 * EARTH)

@@ -100,7 +100,7 @@ def pitch_order(model: SessionModel) -> tuple[str, str]:
     ordered, error = _pair(model, "pitch")
     if ordered is None:
         return "", ""
-    told = "zero" if abs(ordered) < 0.05 else _angle(ordered)
+    told = "zero" if abs(ordered) < 0.05 else f"{short(abs(ordered))} {_way(ordered)}"
     if ordered and has_come_off(model):
         return _both(told, ", at depth")
     if error is None or abs(error) < REACHED:
@@ -123,10 +123,6 @@ def _both(told: str, error: str) -> tuple[str, str]:
 
 def _way(pitch: float) -> str:
     return "up" if pitch > 0.0 else "down"
-
-
-def _angle(pitch: float) -> str:
-    return f"{short(abs(pitch))} {_way(pitch)}"
 
 
 ORDERS: Final = {
@@ -187,7 +183,16 @@ def crew_line(model: SessionModel, width: int) -> Line:
     for text in (_joined([each[0] for each in found]), _joined([each[1] for each in found])):
         if text and len(text) + len(" crew   ") <= width:
             return (*label, (text, "ordered"))
-    signed = _signed(model)
+    # all orders with their errors by sign, where words have no room
+    size = FOOT if in_feet(model) else 1.0
+    parts = []
+    for axis in ORDERS:
+        ordered, error = _pair(model, axis)
+        if ordered is not None:
+            done = error is None or (axis == "pitch" and ordered and has_come_off(model))
+            left = 0.0 if done else (error or 0.0) / (size if axis == "depth" else 1.0)
+            parts.append(f"{ORDERS[axis](model)[1].partition(',')[0]} {left:+.0f}")
+    signed = "; ".join(parts)
     if signed:
         return (*label, (signed, "ordered"))
     return (*label, (f"told: {told}", "ordered") if told else ("no orders", "dim"))
@@ -195,19 +200,6 @@ def crew_line(model: SessionModel, width: int) -> Line:
 
 def _joined(texts: Sequence[str]) -> str:
     return "; ".join(text for text in texts if text)
-
-
-def _signed(model: SessionModel) -> str:
-    """Return all orders with their errors by sign, where words have no room."""
-    size = FOOT if in_feet(model) else 1.0
-    found = []
-    for axis in ORDERS:
-        ordered, error = _pair(model, axis)
-        if ordered is not None:
-            done = error is None or (axis == "pitch" and ordered and has_come_off(model))
-            left = 0.0 if done else (error or 0.0) / (size if axis == "depth" else 1.0)
-            found.append(f"{ORDERS[axis](model)[1].partition(',')[0]} {left:+.0f}")
-    return "; ".join(found)
 
 
 def pitch_beside(model: SessionModel, room: int) -> Line:

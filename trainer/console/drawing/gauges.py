@@ -26,19 +26,15 @@ APART = 0.5  # [m, deg, kn] from which a gauge is said to be wrong
 def state(model: SessionModel, width: int, _height: int) -> Lines:
     """Return the state in ten lines."""
     rows = [
-        (depth(model), plane(model, "rudder", "steering")),
-        (heading(model), plane(model, "stern", "diving")),
-        (speed(model), plane(model, "bow", "diving")),
-        (pitch(model), engine(model, width - LEFT)),
-        (heel(model), weight(model)),
+        (reading(model, "depth", "diving", "m"), plane(model, "rudder", "steering")),
+        (reading(model, "heading", "steering", ""), plane(model, "stern", "diving")),
+        (reading(model, "speed", "engine", "kn"), plane(model, "bow", "diving")),
+        (angle(model, "pitch", "up", "down"), engine(model, width - LEFT)),
+        (angle(model, "heel", "stbd", "port"), weight(model)),
     ]
     lines = [(*fit(left, LEFT), *right) for left, right in rows]
-    return [fit(each, width) for each in (*lines, *low(model, width), crew_line(model, width))]
-
-
-def low(model: SessionModel, width: int) -> Lines:
-    """Return tanks, air, the sea and casualties, a line each."""
-    return [tanks(model, width), air(model), sea(model), casualty_names(model)]
+    lines += [tanks(model, width), air(model), sea(model), casualty_names(model)]
+    return [fit(each, width) for each in (*lines, crew_line(model, width))]
 
 
 def interpolate(model: SessionModel, name: str) -> float | None:
@@ -62,29 +58,15 @@ def false(model: SessionModel, name: str) -> str:
     return f"GAUGE {number(shown)}" if apart > APART else ""
 
 
-def depth(model: SessionModel) -> Line:
-    """Return depth and ordered depth."""
-    ordered = number(model.picture.number("diving", "ordered_depth"))
-    told = pair("depth", number(interpolate(model, "depth")), ordered, "m")
-    return misread(model, "depth", told)
-
-
-def heading(model: SessionModel) -> Line:
-    """Return heading and ordered course."""
-    ordered = course(model.picture.number("steering", "ordered_course"))
-    told = pair("heading", course(interpolate(model, "heading"), 1), ordered, "")
-    return misread(model, "heading", told)
-
-
-def speed(model: SessionModel) -> Line:
-    """Return speed and ordered speed."""
-    ordered = number(model.picture.number("engine", "ordered_speed"))
-    told = pair("speed", number(interpolate(model, "speed")), ordered, "kn")
-    return misread(model, "speed", told)
-
-
-def misread(model: SessionModel, name: str, told: Line) -> Line:
-    """Return a value. The crew's gauge stands in place of the order, if it is false."""
+def reading(model: SessionModel, name: str, channel: str, unit: str) -> Line:
+    """Return a value and its order. The crew's gauge stands in the order's place, if false."""
+    actual = interpolate(model, name)
+    if name == "heading":
+        ordered = course(model.picture.number(channel, "ordered_course"))
+        told = pair(name, course(actual, 1), ordered, unit)
+    else:
+        ordered = number(model.picture.number(channel, f"ordered_{name}"))
+        told = pair(name, number(actual), ordered, unit)
     wrong = false(model, name)
     if not wrong:
         return told
@@ -92,17 +74,10 @@ def misread(model: SessionModel, name: str, told: Line) -> Line:
     return first_fitting(LEFT, *choices)
 
 
-def pitch(model: SessionModel) -> Line:
-    """Return the pitch in words."""
-    return line(
-        (" pitch  ", "dim"), (f"{attitude(interpolate(model, 'pitch'), 'up', 'down'):>9}", "value")
-    )
-
-
-def heel(model: SessionModel) -> Line:
-    """Return the heel in words."""
-    value = attitude(interpolate(model, "heel"), "stbd", "port")
-    return line((" heel   ", "dim"), (f"{value:>9}", "value"))
+def angle(model: SessionModel, name: str, *sides: str) -> Line:
+    """Return pitch or heel in words."""
+    value = attitude(interpolate(model, name), *sides)
+    return line((f" {name:<7}", "dim"), (f"{value:>9}", "value"))
 
 
 def plane(model: SessionModel, name: str, channel: str) -> Line:
@@ -149,15 +124,11 @@ def tanks(model: SessionModel, room: int) -> Line:
         return line((" tanks  ", "dim"), without(model.picture, "tanks", "this boat has none"))
     parts = []
     for says, names in TANKS:
-        told = "/".join(full(model, name) for name in names)
+        full = (number(model.picture.number("tanks", f"{name}_full"), 0) for name in names)
+        told = "/".join(full)
         parts += [(f" {says} ", "dim"), (told, "plain")]
     shares = line(*parts, (" %", "dim"))
     return first_fitting(room, line((" tanks ", "dim"), *shares), shares)
-
-
-def full(model: SessionModel, tank: str) -> str:
-    """Return how full a tank is [%]."""
-    return number(model.picture.number("tanks", f"{tank}_full"), 0)
 
 
 def air(model: SessionModel) -> Line:

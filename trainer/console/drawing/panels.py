@@ -153,7 +153,7 @@ def planes(model: SessionModel, width: int, height: int) -> Lines:
 
 
 def pilot(model: SessionModel, width: int, height: int) -> Lines:
-    """Return the panel of one who steers and dives. It joins those of planes and helm."""
+    """Return the panel of a pilot or an observer: those of planes and helm."""
     lines = [
         *dials(model, [depth_gauge(model), compass(model), speed_log(model)], width),
         order_line(model, width),
@@ -168,11 +168,6 @@ def gauges(model: SessionModel, width: int, height: int) -> Lines:
     """Return the repeaters: depth, heading, speed and attitude."""
     lines = [*instruments(model, width, large=height >= GAUGES), angles(model, width)]
     return [fit(each, width) for each in lines[:height]]
-
-
-def lookout(model: SessionModel, width: int, height: int) -> Lines:
-    """Return what an observer sees: the repeaters, every surface and the telegraph."""
-    return pilot(model, width, height)
 
 
 def periscope(model: SessionModel, width: int, height: int) -> Lines:

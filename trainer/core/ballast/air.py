@@ -102,22 +102,22 @@ def vent_opening(tank: int, state: Record) -> float:
 
 
 @part
-def vent(vessel: Record, ballast: Record, tank: int, top: float, h: float, state: Record) -> None:
+def vent(vessel: Record, tank: int, top: float, h: float, state: Record) -> None:
     """Pass air out of a tank whose vent is at depth ``top`` [m].
 
     Where the vent is in the air, air may come in. The head between the water inside and the sea at
     the vent drives the flow. It is that of an incompressible fluid through an orifice, since the
     head is a small part of the pressure.
     """
-    c, b = vessel[0], ballast[0]
+    c = vessel[0]
     s = state[0]
-    area = b.vent_area[tank] * vent_opening(tank, state)
-    volume, space = (b.capacity[tank] - s.water[tank]) / c.rho, b.capacity[tank] / c.rho
-    head = min(top, 0.0) + b.height[tank] * volume / space  # [m] negative only in the open air
+    area = c.vent_area[tank] * vent_opening(tank, state)
+    volume, space = (c.capacity[tank] - s.water[tank]) / c.rho, c.capacity[tank] / c.rho
+    head = min(top, 0.0) + c.height[tank] * volume / space  # [m] negative only in the open air
     pressure = ATMOSPHERE + c.rho * c.g * (head + max(top, 0.0))
-    density = max(pressure, THINNEST) / b.gas
+    density = max(pressure, THINNEST) / c.gas
     flow = through_hole(density, area, c.rho * c.g * abs(head)) * h
-    passed = min(flow, abs(head) / b.height[tank] * space * density)
+    passed = min(flow, abs(head) / c.height[tank] * space * density)
     passed = min(passed, s.tank_air[tank]) if head > 0.0 else -passed
     if volume <= 0.0 <= top:  # the last bubbles, too small to show in the water's mass
         passed = s.tank_air[tank]
@@ -126,29 +126,29 @@ def vent(vessel: Record, ballast: Record, tank: int, top: float, h: float, state
 
 
 @part
-def settle(vessel: Record, ballast: Record, tank: int, top: float, h: float, state: Record) -> None:
+def settle(vessel: Record, tank: int, top: float, h: float, state: Record) -> None:
     """Move the water in a tank towards its balance with the sea.
 
     It follows the tank's air, through the open ports. The air's volume V in balance: air gas/V =
     p_top + rho g height V/volume. Air for which a tank empty of water has no room bubbles out
     through the ports.
     """
-    c, b = vessel[0], ballast[0]
+    c = vessel[0]
     s = state[0]
-    space = b.capacity[tank] / c.rho
-    volume = (b.capacity[tank] - s.water[tank]) / c.rho
+    space = c.capacity[tank] / c.rho
+    volume = (c.capacity[tank] - s.water[tank]) / c.rho
     p_top = max(ATMOSPHERE + c.rho * c.g * top, THINNEST)
-    slope = c.rho * c.g * b.height[tank] / space
-    content = s.tank_air[tank] * b.gas
+    slope = c.rho * c.g * c.height[tank] / space
+    content = s.tank_air[tank] * c.gas
     balance = 2.0 * content / (p_top + math.sqrt(p_top * p_top + 4.0 * slope * content))
-    inward = b.capacity[tank] - c.rho * balance - s.water[tank]  # [kg]
+    inward = c.capacity[tank] - c.rho * balance - s.water[tank]  # [kg]
     if volume > 0.0:
         excess = abs(content / volume - p_top - slope * volume)
-        reach = through_hole(c.rho, b.port[tank], excess) * h
+        reach = through_hole(c.rho, c.port[tank], excess) * h
         inward = min(max(inward, -reach), reach)
-    admit(ballast, tank, inward, state)
+    admit(vessel, tank, inward, state)
     if s.water[tank] == 0.0:
-        surplus = s.tank_air[tank] - (p_top + slope * space) * space / b.gas
+        surplus = s.tank_air[tank] - (p_top + slope * space) * space / c.gas
         if surplus > 0.0:
             s.tank_air[tank] -= surplus
             s.air_taken -= surplus
@@ -172,38 +172,36 @@ def at_work(ballast: Record, tank: int, state: Record) -> bool:
 
 
 @part
-def work_blown_tank(
-    vessel: Record, ballast: Record, tank: int, depth: float, h: float, state: Record
-) -> None:
+def work_blown_tank(vessel: Record, tank: int, depth: float, h: float, state: Record) -> None:
     """Advance a tank with open flood ports by ``h`` [s].
 
     Its centre is at ``depth`` [m].
     """
-    c, b = vessel[0], ballast[0]
+    c = vessel[0]
     s = state[0]
-    top = depth - 0.5 * b.height[tank]
+    top = depth - 0.5 * c.height[tank]
     if s.blow[tank] > 0.0:
-        level = top + b.height[tank] * (1.0 - s.water[tank] / b.capacity[tank])
-        blow(ballast, tank, sea_pressure(c.rho * c.g, level), h, state)
+        level = top + c.height[tank] * (1.0 - s.water[tank] / c.capacity[tank])
+        blow(vessel, tank, sea_pressure(c.rho * c.g, level), h, state)
     if vent_opening(tank, state) > 0.0:
-        vent(vessel, ballast, tank, top, h, state)
-    settle(vessel, ballast, tank, top, h, state)
+        vent(vessel, tank, top, h, state)
+    settle(vessel, tank, top, h, state)
 
 
 @kernel
-def fill_with_air(vessel: Record, ballast: Record, tank: int, depth: float, state: Record) -> None:
+def fill_with_air(vessel: Record, tank: int, depth: float, state: Record) -> None:
     """Give a blown tank the air that balances its water.
 
     Its centre is at ``depth`` [m]. The negative tank is sealed and starts at atmospheric pressure.
     """
-    c, b = vessel[0], ballast[0]
+    c = vessel[0]
     s = state[0]
-    if b.capacity[tank] <= 0.0:
+    if c.capacity[tank] <= 0.0:
         return
-    empty = 1.0 - s.water[tank] / b.capacity[tank]
-    level = depth + b.height[tank] * (empty - 0.5)
+    empty = 1.0 - s.water[tank] / c.capacity[tank]
+    level = depth + c.height[tank] * (empty - 0.5)
     pressure = ATMOSPHERE if tank == NEGATIVE else ATMOSPHERE + c.rho * c.g * level
-    s.tank_air[tank] = pressure * empty * b.capacity[tank] / (c.rho * b.gas)
+    s.tank_air[tank] = pressure * empty * c.capacity[tank] / (c.rho * c.gas)
 
 
 @part

@@ -26,17 +26,17 @@ from trainer.core.kernel import Record, kernel, part
 
 
 @part
-def balance(vessel: Record, ballast: Record, state: Record) -> None:
+def balance(vessel: Record, state: Record) -> None:
     """Write weight [N] and centre of gravity [m] from the water aboard."""
-    c, b = vessel[0], ballast[0]
+    c = vessel[0]
     s = state[0]
     weight, x, y, z = 0.0, 0.0, 0.0, 0.0
     for i in range(END):
-        more = (s.water[i] - b.start[i]) * c.g
+        more = (s.water[i] - c.start[i]) * c.g
         weight += more
-        x += more * (b.x[i] - c.x_g)
-        y += more * (b.y[i] - c.y_g)
-        z += more * (b.z[i] - c.z_g)
+        x += more * (c.x[i] - c.x_g)
+        y += more * (c.y[i] - c.y_g)
+        z += more * (c.z[i] - c.z_g)
     s.weight = c.weight + weight
     s.x_g = c.x_g + x / s.weight
     s.y_g = c.y_g + y / s.weight
@@ -44,70 +44,68 @@ def balance(vessel: Record, ballast: Record, state: Record) -> None:
 
 
 @part
-def flood_breach(
-    vessel: Record, ballast: Record, tank: int, depth: float, h: float, state: Record
-) -> None:
+def flood_breach(vessel: Record, tank: int, depth: float, h: float, state: Record) -> None:
     """Flood a tank or compartment through its hole.
 
     The hole is at ``depth`` [m] and open for ``h`` [s]. The flow is that of an orifice. A pumped
     tank is vented inboard and fills up. A compartment is sealed: the sea enters until the air in it
     has the pressure of the sea.
     """
-    c, b = vessel[0], ballast[0]
+    c = vessel[0]
     s = state[0]
     outside = sea_pressure(c.rho * c.g, depth)
-    limit, inside = b.capacity[tank], ATMOSPHERE
+    limit, inside = c.capacity[tank], ATMOSPHERE
     if tank >= FIRST_DRY:
         limit *= 1.0 - ATMOSPHERE / outside
-        inside = ATMOSPHERE / (1.0 - min(s.water[tank], limit) / b.capacity[tank])
+        inside = ATMOSPHERE / (1.0 - min(s.water[tank], limit) / c.capacity[tank])
     area = DISCHARGE * s.breach[tank - TRIM_FORWARD]
     amount = min(through_hole(c.rho, area, outside - inside) * h, limit - s.water[tank])
     if amount > 0.0:
-        admit(ballast, tank, amount, state)
+        admit(vessel, tank, amount, state)
 
 
 @part
-def advance_ballast(vessel: Record, ballast: Record, h: float, state: Record) -> None:
+def advance_ballast(vessel: Record, h: float, state: Record) -> None:
     """Advance pumps, leaks, air and water by ``h`` [s] as ordered; then weight and balance.
 
     Orders and faults are read from the state; depth and attitude are the present ones.
     """
-    b = ballast[0]
+    c = vessel[0]
     s = state[0]
-    if b.fitted == 0.0:
+    if c.fitted == 0.0:
         return
     cos_th, sin_th = cosine_and_sine(s.theta)
     cos_phi, sin_phi = cosine_and_sine(s.phi)
     down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
-    work_pumps(vessel, ballast, h, state)
+    work_pumps(vessel, h, state)
     for i in range(TRIM_FORWARD, END):
-        if s.breach[i - TRIM_FORWARD] > 0.0 and b.capacity[i] > 0.0:
-            depth = s.z + down_x * b.x[i] + down_y * b.y[i] + down_z * b.z[i]
-            flood_breach(vessel, ballast, i, depth, h, state)
+        if s.breach[i - TRIM_FORWARD] > 0.0 and c.capacity[i] > 0.0:
+            depth = s.z + down_x * c.x[i] + down_y * c.y[i] + down_z * c.z[i]
+            flood_breach(vessel, i, depth, h, state)
     for i in range(NEGATIVE + 1):
-        if at_work(ballast, i, state):
-            depth = s.z + down_x * b.x[i] + down_y * b.y[i] + down_z * b.z[i]
-            work_blown_tank(vessel, ballast, i, depth, h, state)
+        if at_work(vessel, i, state):
+            depth = s.z + down_x * c.x[i] + down_y * c.y[i] + down_z * c.z[i]
+            work_blown_tank(vessel, i, depth, h, state)
     if s.compressor > 0.0:
-        compress(ballast, h, state)
-    balance(vessel, ballast, state)
+        compress(vessel, h, state)
+    balance(vessel, state)
 
 
 @kernel
-def start_ballast(vessel: Record, ballast: Record, state: Record) -> None:
+def start_ballast(vessel: Record, state: Record) -> None:
     """Write the start fillings, full banks, and weight and balance.
 
     The boat is taken as level at its depth.
     """
-    b = ballast[0]
+    c = vessel[0]
     s = state[0]
-    if b.fitted == 0.0:
+    if c.fitted == 0.0:
         return
     for i in range(END):
-        s.water[i] = b.start[i]
+        s.water[i] = c.start[i]
     for i in range(NEGATIVE + 1):
-        fill_with_air(vessel, ballast, i, s.z + b.z[i], state)
-    for i in range(b.bank_full.size):
-        s.bank[i] = b.bank_full[i]
+        fill_with_air(vessel, i, s.z + c.z[i], state)
+    for i in range(c.bank_full.size):
+        s.bank[i] = c.bank_full[i]
     s.hover_integral = s.water[DEPTH_CONTROL]
-    balance(vessel, ballast, state)
+    balance(vessel, state)

@@ -44,31 +44,31 @@ def excess_density(ballast: Record, depth: float) -> float:
 
 
 @part
-def submerged_change(vessel: Record, ballast: Record, state: Record) -> float:
+def submerged_change(vessel: Record, state: Record) -> float:
     """Return the change of buoyancy [N] under water.
 
     The hull is compressed, and the density of the sea changes.
     """
-    c, b = vessel[0], ballast[0]
+    c = vessel[0]
     depth = state[0].z
-    squeezed = c.g * b.compressibility * (max(depth, 0.0) - b.reference_depth)
-    return c.buoyancy * excess_density(ballast, depth) / c.rho - squeezed
+    squeezed = c.g * c.compressibility * (max(depth, 0.0) - c.reference_depth)
+    return c.buoyancy * excess_density(vessel, depth) / c.rho - squeezed
 
 
 @part
-def add_compression(vessel: Record, ballast: Record, state: Record, force: Numbers) -> None:
+def add_compression(vessel: Record, state: Record, force: Numbers) -> None:
     """Add the forces of the buoyancy that depth and layers take or give.
 
     They are X Y Z [N] and K M N [N m].
     """
-    c, b = vessel[0], ballast[0]
-    if b.compressibility == 0.0 and b.layers == 0.0:
+    c = vessel[0]
+    if c.compressibility == 0.0 and c.layers == 0.0:
         return
     s = state[0]
     cos_th, sin_th = cosine_and_sine(s.theta)
     cos_phi, sin_phi = cosine_and_sine(s.phi)
     down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
-    heavy = -submerged_change(vessel, ballast, state)
+    heavy = -submerged_change(vessel, state)
     x, z = heavy * c.x_b, heavy * c.z_b
     force[0] += heavy * down_x
     force[1] += heavy * down_y

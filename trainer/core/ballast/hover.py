@@ -110,7 +110,7 @@ def follow_error(h: float, state: Record) -> None:
 
 
 @part
-def is_beyond(vessel: Record, ballast: Record, gradient: float, state: Record) -> bool:
+def is_beyond(vessel: Record, gradient: float, state: Record) -> bool:
     """Return whether the pump cannot bring the boat back.
 
     ``gradient`` [1/s2] is that of the suction.
@@ -120,7 +120,7 @@ def is_beyond(vessel: Record, ballast: Record, gradient: float, state: Record) -
     if gradient == 0.0:
         return False
     pole = math.sqrt(gradient)
-    rate_of_pump = ballast[0].pump_rate[DEPTH_CONTROL_PUMP]
+    rate_of_pump = vessel[0].pump_rate[DEPTH_CONTROL_PUMP]
     caught = rate_of_pump * vessel[0].g / (heaved_mass(vessel) * pole * pole * pole)
     lost = abs(error) > s.hover_room or abs(error + rate / pole) > CATCH * caught
     return lost or s.hover_full > LONGEST
@@ -141,24 +141,24 @@ def give_up(state: Record) -> None:
 
 
 @part
-def order_water(vessel: Record, ballast: Record, gradient: float, h: float, state: Record) -> None:
+def order_water(vessel: Record, gradient: float, h: float, state: Record) -> None:
     """Order water for the depth-control tank by the filtered error.
 
     The integral learns from it for ``h`` [s].
     """
-    c, b = vessel[0], ballast[0]
+    c = vessel[0]
     s = state[0]
     rough = 1 if are_felt(state) else 0
-    frequency, damping = SOFTER[rough] * b.hover_frequency, DAMPING[rough]
+    frequency, damping = SOFTER[rough] * c.hover_frequency, DAMPING[rough]
     per_acceleration = heaved_mass(vessel) / c.g  # [kg s2/m] of water
     asked = s.hover_error * frequency / (2.0 * damping)
-    lack = min(max(asked, -b.hover_rate), b.hover_rate) + s.hover_error_rate
+    lack = min(max(asked, -c.hover_rate), c.hover_rate) + s.hover_error_rate
     held = gradient * min(max(s.hover_error, -NEAR), NEAR)
     wanted = s.hover_integral
     wanted += per_acceleration * (2.0 * damping * frequency * lack + held)
-    possible = min(max(wanted, 0.0), b.capacity[DEPTH_CONTROL])
+    possible = min(max(wanted, 0.0), c.capacity[DEPTH_CONTROL])
     s.to_move[DEPTH_CONTROL_PUMP] = possible - s.water[DEPTH_CONTROL]
-    rate = b.pump_rate[DEPTH_CONTROL_PUMP]
+    rate = c.pump_rate[DEPTH_CONTROL_PUMP]
     size = abs(s.to_move[DEPTH_CONTROL_PUMP])
     s.hover_full = s.hover_full + h if size > rate * h else 0.0
     if wanted == possible and size < SOON * rate:
@@ -167,13 +167,13 @@ def order_water(vessel: Record, ballast: Record, gradient: float, h: float, stat
 
 
 @kernel
-def hover(vessel: Record, ballast: Record, h: float, state: Record) -> None:
+def hover(vessel: Record, h: float, state: Record) -> None:
     """Keep the ordered depth by the depth-control tank for ``h`` [s], or give it up."""
     s = state[0]
     follow_error(h, state)
     s.hover_time += h
     gradient = suction_gradient(vessel, s.ordered_depth, state)
-    if is_beyond(vessel, ballast, gradient, state):
+    if is_beyond(vessel, gradient, state):
         give_up(state)
         return
-    order_water(vessel, ballast, gradient, h, state)
+    order_water(vessel, gradient, h, state)

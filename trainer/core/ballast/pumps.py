@@ -115,7 +115,7 @@ def drain(ballast: Record, h: float, state: Record) -> None:
 
 
 @part
-def work_pumps(vessel: Record, ballast: Record, h: float, state: Record) -> None:
+def work_pumps(vessel: Record, h: float, state: Record) -> None:
     """Advance all pumped tanks by ``h`` [s].
 
     One pump serves the auxiliary tank and the compartments, the compartments first. Automatic trim
@@ -124,17 +124,17 @@ def work_pumps(vessel: Record, ballast: Record, h: float, state: Record) -> None
     """
     s = state[0]
     if is_hovering(state):
-        hover(vessel, ballast, h, state)
+        hover(vessel, h, state)
     else:
         s.hover_integral = s.water[DEPTH_CONTROL]
         s.hover_time = s.hover_full = 0.0
     if s.to_move[TRIM_PUMP] != 0.0 or s.trim_forward != 0.0:
-        transfer_trim(ballast, h, state)
+        transfer_trim(vessel, h, state)
     if s.drained > 0.0:
-        drain(ballast, h, state)
+        drain(vessel, h, state)
     elif s.to_move[DRAIN_PUMP] != 0.0:
-        pump_tank(ballast, DRAIN_PUMP, AUXILIARY, h, state)
+        pump_tank(vessel, DRAIN_PUMP, AUXILIARY, h, state)
     elif s.trim_flood != 0.0:
-        flood_auxiliary(ballast, h, state)
+        flood_auxiliary(vessel, h, state)
     if s.to_move[DEPTH_CONTROL_PUMP] != 0.0:
-        pump_tank(ballast, DEPTH_CONTROL_PUMP, DEPTH_CONTROL, h, state)
+        pump_tank(vessel, DEPTH_CONTROL_PUMP, DEPTH_CONTROL, h, state)

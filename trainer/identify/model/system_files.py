@@ -19,6 +19,7 @@ from trainer.config.files import ConfigError, Place, nearest, parse_toml, quote,
 from trainer.config.schema import (
     Choice,
     Flag,
+    KeyForm,
     Quantity,
     Rows,
     Text,
@@ -138,15 +139,11 @@ class Matrix:
     meaning: str
 
     @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "rows", "numbers or expressions", self.meaning
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """Return the JSON Schema of its values."""
+    def form(self) -> KeyForm:
+        """Return unit, range and meaning, and the JSON Schema of its values."""
         entry = {"type": ["number", "string"]}
-        return {"type": "array", "items": {"anyOf": [entry, {"type": "array", "items": entry}]}}
+        rows = {"type": "array", "items": {"anyOf": [entry, {"type": "array", "items": entry}]}}
+        return KeyForm("rows", "numbers or expressions", self.meaning, rows)
 
     def read(self, key: str, value: object, place: Place) -> tuple[Row, ...]:
         """Return the rows; ConfigError if they are not of one length."""
