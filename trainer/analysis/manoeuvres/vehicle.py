@@ -126,25 +126,15 @@ def limit(vehicle: Vehicle, control: str) -> float:
     return min(-low, high)
 
 
-def check_controls(vehicle: Vehicle, needed: tuple[str, ...]) -> None:
-    """Check that the vehicle has the controls; ConfigError if it lacks one."""
-    for control in needed:
-        if control not in vehicle.controls:
-            known = ", ".join(vehicle.controls)
-            raise ConfigError(
-                f"{vehicle.name}: the manoeuvre needs a control {control!r}, "
-                f"and it has {known} alone"
-            )
-
-
-def check_columns(vehicle: Vehicle, needed: tuple[str, ...]) -> None:
-    """Check that the vehicle has the columns; ConfigError if it lacks one."""
-    for column in needed:
-        if column not in vehicle.columns:
-            known = ", ".join(vehicle.columns)
-            raise ConfigError(
-                f"{vehicle.name}: the manoeuvre is measured by {column}, and it has {known} alone"
-            )
+def check_parts(vehicle: Vehicle, controls: tuple[str, ...], columns: tuple[str, ...]) -> None:
+    """Check that the vehicle has controls and columns; ConfigError if it lacks one."""
+    for words, wanted, known in (
+        ("needs a control {!r}", controls, tuple(vehicle.controls)),
+        ("is measured by {}", columns, vehicle.columns),
+    ):
+        for lacking in (name for name in wanted if name not in known):
+            told = f"the manoeuvre {words.format(lacking)}, and it has {', '.join(known)} alone"
+            raise ConfigError(f"{vehicle.name}: {told}")
 
 
 PERCENT: Final = 5.0  # [%] by which two flights may differ
@@ -197,15 +187,6 @@ def _between(t: Numbers, values: Numbers, place: int, level: float) -> float:
         return float(t[place])
     part = (level - values[place - 1]) / (values[place] - values[place - 1])
     return float(t[place - 1] + part * (t[place] - t[place - 1]))
-
-
-@dataclass(frozen=True)
-class Swing:
-    """One swing of an angle about zero."""
-
-    t: float  # [s] of its extreme
-    peak: float  # with its sign
-    begins: float | None  # [s] when it left zero; None: before what is looked at
 
 
 def peaks(t: Numbers, values: Numbers) -> list[tuple[float, float]]:
