@@ -32,6 +32,7 @@ from trainer.debrief.trajectory import (
     Rows,
     Trajectory,
     eye_heights,
+    stretches,
 )
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Journalled
@@ -92,9 +93,8 @@ def _of_kind(
 ) -> list[Episode]:
     """Return the spells of one kind, whose slots are those ``there``."""
     active = np.any(there, axis=0)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], active, [False])).astype(int)))
     found = []
-    for first, after in edges.reshape(-1, 2):
+    for first, after in stretches(active):
         held = np.where(there, amounts, 0.0)[:, first:after]
         amount = float(held.ravel()[np.argmax(np.abs(held))])
         lasted = after == trajectory.ticks.size

@@ -18,8 +18,8 @@ from trainer.core.kernel import Numbers
 from trainer.debrief.episodes import INSTRUCTOR, KEPT, crew_orders, first_spell
 from trainer.debrief.judgement import judge, share_of, widened, worth
 from trainer.debrief.rehearsal import Departure, Rehearsal, fly, last_tick
-from trainer.debrief.scoring import Scorecard, Scored
-from trainer.debrief.trajectory import Rows, Trajectory
+from trainer.debrief.scoring import Scorecard, Scored, looked_at
+from trainer.debrief.trajectory import Rows, Trajectory, stretches
 from trainer.session.plan import Plan
 
 LONGEST: Final = 400_000  # [ticks] of an exercise that is flown for a debrief
@@ -188,6 +188,8 @@ def _departure(
     if rule.measured is None or not trajectory.has(rule.measured.name):
         return None
     rows = looked_at(trajectory, rule)
+    if rows is None:
+        return None
     if rule.score.measure in EXTREMES and mine.attained.tick is not None:
         rows &= trajectory.ticks <= mine.attained.tick
     if not rows.any():
@@ -196,23 +198,19 @@ def _departure(
     low, high = limits_about(reference, trajectory, rule, band)
     value = trajectory.measured(rule.measured)
     outside = rows & ~_within(value, low, high, rule) & ~_better(value, low, high, rule)
-    row = _for_good(outside, rows, trajectory)
+    last, seconds = int(np.flatnonzero(rows)[-1]), trajectory.seconds
+    row = next(
+        (
+            first
+            for first, after in stretches(outside)
+            if after > last or seconds[after - 1] - seconds[first] >= FOR_GOOD
+        ),
+        None,
+    )
     if row is None:
         return None
     told = _told(rule, float(value[row]), (float(low[row]), float(high[row])))
     return Fault(int(trajectory.ticks[row]), rule.score.name, rule.measured.name, told)
-
-
-def looked_at(trajectory: Trajectory, rule: Rule) -> Rows:
-    """Return the ticks that a rule looks at, whatever its conditions."""
-    begin, end = rule.score.from_s, rule.score.to_s
-    if rule.since is not None:
-        episode = first_spell(trajectory, rule.since)
-        if episode is None:
-            return np.zeros(trajectory.ticks.size, bool)
-        onset = episode.begun * trajectory.boat.method.step
-        begin, end = onset + (begin or 0.0), None if end is None else onset + end
-    return trajectory.between(begin, end)
 
 
 def band_of(rule: Rule, best: Scored) -> Band:
@@ -272,17 +270,6 @@ def _better(value: Numbers, low: Numbers, high: Numbers, rule: Rule) -> Rows:
     if score.measure in ("highest", "lowest") and score.target is None:
         return value < low if score.full < score.zero else value > high
     return np.zeros(value.size, bool)
-
-
-def _for_good(outside: Rows, rows: Rows, trajectory: Trajectory) -> int | None:
-    """Return the first row from which a run stays outside, None if it never does."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], outside, [False])).astype(int)))
-    last = int(np.flatnonzero(rows)[-1])
-    for first, after in edges.reshape(-1, 2):
-        lasted = trajectory.seconds[after - 1] - trajectory.seconds[first]
-        if lasted >= FOR_GOOD or after > last:
-            return int(first)
-    return None
 
 
 def _told(rule: Rule, value: float, limits: tuple[float, float]) -> str:
