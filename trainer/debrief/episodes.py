@@ -276,12 +276,12 @@ def ways_of_ships(trajectory: Trajectory) -> list[ShipWay]:
     for row in range(0, trajectory.ticks.size, every):
         for ship in contacts.seen(int(trajectory.ticks[row])) if contacts else ():
             found.setdefault(ship.name, []).append((row, ship.north, ship.east))
-    return [_way(trajectory, name, np.array(places)) for name, places in found.items()]
-
-
-def _way(trajectory: Trajectory, name: str, places: Numbers) -> ShipWay:
-    rows = places[:, 0].astype(np.int64)
-    return ShipWay(name, rows, trajectory.seconds[rows], places[:, 1], places[:, 2])
+    ways = []
+    for name, places in found.items():
+        rows, north, east = np.array(places).T
+        whole = rows.astype(np.int64)
+        ways.append(ShipWay(name, whole, trajectory.seconds[whole], north, east))
+    return ways
 
 
 def place_of_ship(trajectory: Trajectory, name: str, tick: int) -> tuple[float, float] | None:

@@ -131,7 +131,8 @@ def debrief_file(
     Asked for neither, it goes beside the recording as HTML. ConfigError on what is wrong.
     """
     for wanted in filter(None, (html, pdf)):
-        _refuse_recording(path, wanted)
+        if wanted.exists() and path.exists() and wanted.samefile(path):
+            raise ConfigError(f"{wanted} is the recording itself: give another name")
     if html is None and pdf is None and not as_json:
         html = beside(path, asked.branch)
         _refuse_other(html)
@@ -185,12 +186,6 @@ def change_marks(path: Path, asked: Asked, texts: Sequence[str], back: Sequence[
     for name in back:
         changes = without(changes, name, branch)
     write_changes(path, [*changes, *(change_of(text, branch, plan) for text in texts)])
-
-
-def _refuse_recording(path: Path, wanted: Path) -> None:
-    """Refuse to write over the recording."""
-    if wanted.exists() and path.exists() and wanted.samefile(path):
-        raise ConfigError(f"{wanted} is the recording itself: give another name")
 
 
 def _refuse_other(html: Path) -> None:
