@@ -6,7 +6,7 @@ total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken or the boat w
 25 where the exercise was lost, 0 where the boat was hard aground.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -43,13 +43,9 @@ def judge(
         return score(trajectory, rules)
     scores = tuple(_less_nobody(each, nobody) for each in score(trajectory, rules).scores)
     scores = tuple(_answered(each, scores) for each in scores)
-    tasks = _mean([(each.rule.weight, each.earned) for each in scores if each.earned is not None])
-    kept = [
-        (each.rule.weight, each.marks)
-        for each in scores
-        if each.rule.part == "keeping" and each.marks is not None
-    ]
-    keeping = _mean(kept) if kept else 100.0
+    tasks = _mean((each.rule.weight, each.earned) for each in scores) or 0.0
+    kept = _mean((each.rule.weight, each.marks) for each in scores if each.rule.part == "keeping")
+    keeping = 100.0 if kept is None else kept
     verdict = _verdict(trajectory, plan, scores, (tasks, keeping))
     total = tasks * (1.0 - KEPT_SHARE + KEPT_SHARE * keeping / 100.0)
     total = total if verdict.cap is None else min(total, verdict.cap)
@@ -100,18 +96,16 @@ def _answered(each: Scored, scores: tuple[Scored, ...]) -> Scored:
     """Return an answer times the mean of the tasks: an order alone masters nothing."""
     if each.rule.part != "answer" or each.earned is None:
         return each
-    others = [
-        (other.rule.weight, other.earned)
-        for other in scores
-        if other.rule.part == "task" and other.earned is not None
-    ]
-    return replace(each, earned=each.earned * _mean(others) / 100.0) if others else each
+    others = _mean((one.rule.weight, one.earned) for one in scores if one.rule.part == "task")
+    return each if others is None else replace(each, earned=each.earned * others / 100.0)
 
 
-def _mean(weighted: list[tuple[float, float]]) -> float:
-    """Return the mean by weight, 0 of nothing."""
-    whole = sum(weight for weight, _ in weighted)
-    return sum(weight * value for weight, value in weighted) / whole if whole else 0.0
+def _mean(weighted: Iterable[tuple[float, float | None]]) -> float | None:
+    """Return the mean by weight of what counts, 0 without weight. None: nothing counts."""
+    counted = [(weight, value) for weight, value in weighted if value is not None]
+    whole = sum(weight for weight, _ in counted)
+    mean = sum(weight * value for weight, value in counted) / whole if whole else 0.0
+    return mean if counted else None
 
 
 def _verdict(

@@ -56,14 +56,6 @@ class Fault:
     told: str
 
 
-@dataclass(frozen=True)
-class Band:
-    """The allowance of a task for the reference run."""
-
-    early: float  # [s] earlier and later
-    off: float  # [of the quantity's unit] either way
-
-
 def can_fly(plan: Plan) -> bool:
     """Return whether an exercise has an end that can be flown to while somebody waits."""
     return plan.duration is not None and last_tick(plan) <= LONGEST
@@ -194,8 +186,7 @@ def _departure(
         rows &= trajectory.ticks <= mine.attained.tick
     if not rows.any():
         return None
-    band = band_of(rule, best)
-    low, high = limits_about(reference, trajectory, rule, band)
+    low, high = limits_about(reference, trajectory, rule, best)
     value = trajectory.measured(rule.measured)
     outside = rows & ~_within(value, low, high, rule) & ~_better(value, low, high, rule)
     last, seconds = int(np.flatnonzero(rows)[-1]), trajectory.seconds
@@ -213,8 +204,11 @@ def _departure(
     return Fault(int(trajectory.ticks[row]), rule.score.name, rule.measured.name, told)
 
 
-def band_of(rule: Rule, best: Scored) -> Band:
-    """Return what a task allows: its band, and what full marks leave beyond the reference's."""
+def band_of(rule: Rule, best: Scored) -> tuple[float, float]:
+    """Return what a task allows: so early or late [s], so far off either way in its unit.
+
+    That is its band, and what full marks leave beyond the reference's.
+    """
     score, measured = rule.score, rule.measured
     assert measured  # noqa: S101 (asked for by who calls)
     allowed = 0.0 if best.attained.value is None else abs(score.full - best.attained.value)
@@ -222,20 +216,20 @@ def band_of(rule: Rule, best: Scored) -> Band:
     usual = 0.25 * abs(score.zero - score.full) if usual is None else usual / measured.size
     off = usual if score.band is None else score.band
     if score.measure in TIMED:
-        return Band(max(allowed, LEEWAY), off)
-    return Band(LEEWAY, off + (allowed if score.measure in EXTREMES else 0.0))
+        return max(allowed, LEEWAY), off
+    return LEEWAY, off + (allowed if score.measure in EXTREMES else 0.0)
 
 
 def limits_about(
-    reference: Trajectory, trajectory: Trajectory, rule: Rule, band: Band
+    reference: Trajectory, trajectory: Trajectory, rule: Rule, best: Scored
 ) -> tuple[Numbers, Numbers]:
     """Return the least and the greatest value within the band, at each tick."""
     assert rule.measured  # noqa: S101
-    values = reference.measured(rule.measured)
-    most = min(round(band.early / reference.boat.method.step), values.size)
+    values, (early, off) = reference.measured(rule.measured), band_of(rule, best)
+    most = min(round(early / reference.boat.method.step), values.size)
     rows = np.minimum(np.searchsorted(reference.ticks, trajectory.ticks), values.size - 1)
     low, high = (extremes(values, most, choose)[rows] for choose in (np.minimum, np.maximum))
-    return low - band.off, high + band.off
+    return low - off, high + off
 
 
 def extremes(values: Numbers, most: int, choose: Callable[..., Numbers]) -> Numbers:

@@ -12,30 +12,8 @@ from trainer.debrief.episodes import first_spell
 from trainer.debrief.measures import Attained
 from trainer.debrief.trajectory import Rows, Trajectory, lacks
 
-TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {
-    "overshoot": measures.overshoot,
-    "time-to": measures.time_to,
-    "reach": measures.reach,
-    "settled": measures.settled,
-    "final": measures.final,
-    "rms": measures.rms,
-    "in-band": measures.in_band,
-    "highest": measures.highest,
-    "lowest": measures.lowest,
-    "largest": measures.largest,
-    "activity": measures.activity,
-    "distance": measures.distance,
-    "closest-approach": measures.closest_approach,
-    "exposed": measures.exposed,
-    "exposed-raise": measures.exposed_raise,
-    "time-to-detect": measures.time_to_detect,
-    "broaches": measures.broaches,
-    "aground": measures.aground,
-    "beyond-limits": measures.beyond_limits,
-    "beyond-test-depth": measures.beyond_test_depth,
-    "time-beyond-test-depth": measures.time_beyond_test_depth,
-    "response": measures.response,
-    "reserve-air": measures.reserve_air,
+TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {  # by their names
+    name: getattr(measures, name.replace("-", "_")) for name in MEASURES
 }
 WHOLE: Final = {"activity": "stern and bow planes", "reserve-air": "all banks"}  # no quantity named
 

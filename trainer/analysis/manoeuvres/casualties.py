@@ -45,7 +45,6 @@ class Loadable(Protocol):
 
     def load(self, share: float) -> None:
         """Take a ``share`` [-] of its weight on, or lose it."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -52,54 +52,43 @@ class Vehicle(Protocol):
     @property
     def name(self) -> str:
         """Return what it is called."""
-        ...
 
     @property
     def length(self) -> float:
         """Return its length [m]."""
-        ...
 
     @property
     def step(self) -> float:
         """Return the length of a cycle [s]."""
-        ...
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Return the names of what ``observe`` returns."""
-        ...
 
     @property
     def controls(self) -> Mapping[str, Control]:
         """Return the limits of its controls by name."""
-        ...
 
     def start(self, speed: float) -> None:
         """Begin anew in steady, straight, level motion at ``speed`` [m/s]; at 0 lie still.
 
         Controls stand at neutral and stay there. ConfigError if that cannot be.
         """
-        ...
 
     def incline(self, heel: float) -> None:
         """Heel it by ``heel`` [rad] as it is, without a rate."""
-        ...
 
     def order(self, control: str, value: float) -> None:
         """Order a control; it acts from the coming cycle on."""
-        ...
 
     def keep(self, quantity: str) -> None:
         """Leave "depth" or "speed" as it is now to automatic control, where there is such."""
-        ...
 
     def observe(self) -> tuple[float, ...]:
         """Return its columns as they stand."""
-        ...
 
     def advance(self) -> None:
         """Advance by one cycle, controls held; LostError if its numbers go astray."""
-        ...
 
 
 @runtime_checkable
@@ -109,15 +98,12 @@ class Swift(Protocol):
     @property
     def swift(self) -> bool:
         """Return whether it can as it is handled now."""
-        ...
 
     def sail(self, end: float, watch: Watch | None) -> NDArray[np.float64]:
         """Advance to ``end`` [s], or until what is watched passes. Return a row for each cycle."""
-        ...
 
     def sound(self) -> None:
         """Check how the last ``sail`` ended; LostError if the numbers went astray in it."""
-        ...
 
 
 def limit(vehicle: Vehicle, control: str) -> float:
