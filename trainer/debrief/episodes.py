@@ -17,7 +17,7 @@ from trainer.boat.world.bottom import ground_under
 from trainer.boat.world.contacts import contacts_in
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.boat.world.hulls import OwnHull, Pose
-from trainer.boat.world.scope import Mast, Periscope, periscope_of
+from trainer.boat.world.scope import Periscope, periscope_of
 from trainer.config.bottom import Bottom
 from trainer.config.casualties import Casualty
 from trainer.config.files import ConfigError
@@ -331,17 +331,12 @@ class LookOut:
     false: tuple[int, ...] = ()
 
 
-def masts(trajectory: Trajectory, scope: Periscope) -> list[Mast]:
-    """Return how the mast stood at each tick."""
-    return [scope.at(tick) for tick in trajectory.ticks.tolist()]
-
-
 def shown(trajectory: Trajectory) -> tuple[Rows, Numbers]:
     """Return at which ticks the head was out of the water, and at which raise."""
     scope = periscope_of(trajectory.boat)
     if scope is None:
         return np.zeros(trajectory.ticks.size, bool), np.zeros(trajectory.ticks.size)
-    stood = masts(trajectory, scope)
+    stood = [scope.at(tick) for tick in trajectory.ticks.tolist()]
     out = np.array([mast.out > 0.0 for mast in stood])
     return out & (eye_heights(trajectory) > 0.0), np.array([float(mast.raised) for mast in stood])
 

@@ -124,11 +124,6 @@ def listed(path: Path) -> Listed:
         return Listed(path, started, names, None, str(wrong), excess)
 
 
-def is_quick(path: Path) -> bool:
-    """Return whether a recording is listed at once: judged before, or small."""
-    return path.stat().st_size <= MAX_QUICK_BYTES or kept(path) is not None
-
-
 def kept(path: Path) -> Came | None:
     """Return the result kept beside a recording. None: it is of another state."""
     try:
@@ -313,7 +308,8 @@ def found_in(places: Sequence[Path]) -> list[Path]:
 
 def print_list(places: Sequence[Path], *, as_json: bool) -> None:
     """Print the recordings, each as soon as it is known; what takes long comes last."""
-    found = sorted(found_in(places), key=is_quick, reverse=True)
+    found = found_in(places)
+    found.sort(key=lambda path: path.stat().st_size > MAX_QUICK_BYTES and kept(path) is None)
     if as_json:
         click.echo(json.dumps(as_figures(map(listed, found)), indent=1))
         return

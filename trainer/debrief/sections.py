@@ -360,7 +360,8 @@ def pressed_together(orders: Iterable[Journalled], step: float) -> list[list[Jou
     groups: list[list[Journalled]] = []
     last_of: dict[tuple[str, str], list[Journalled]] = {}  # the group that a key's next may join
     for order in orders:
-        key = order.who, kind_of(order.text)
+        known = parse(order.text)
+        key = order.who, known.name if isinstance(known, Order) else order.text
         group = last_of.get(key)
         near = group and (order.tick - group[-1].tick) * step <= JOINED_WITHIN_S
         if group and near and order.accepted and group[-1].accepted:
@@ -369,12 +370,6 @@ def pressed_together(orders: Iterable[Journalled], step: float) -> list[list[Jou
             last_of[key] = [order]
             groups.append(last_of[key])
     return groups
-
-
-def kind_of(text: str) -> str:
-    """Return the name of an order, its text where it is none."""
-    order = parse(text)
-    return order.name if isinstance(order, Order) else text
 
 
 def branches(debrief: DebriefData) -> Markup:

@@ -137,7 +137,10 @@ def drops(guide: Guide) -> Markup:
         (
             drop.coefficient,
             f"{drop.value:.4g}" if drop.value else "",
-            *(_format_change(drop.percent[name]) for name in columns),
+            *(
+                "-" if value is None else f"{value:+.1f}" if abs(value) >= LEAST else "0"
+                for value in map(drop.percent.__getitem__, columns)
+            ),
         )
         for drop in guide.drops
     ]
@@ -147,13 +150,6 @@ def drops(guide: Guide) -> Markup:
         "0.1 % are left out."
     )
     return section("why", "Why the reduced sets differ", paragraph(words), table(heads, rows))
-
-
-def _format_change(value: float | None) -> str:
-    """Return a change [%] as text."""
-    if value is None:
-        return "-"
-    return f"{value:+.1f}" if abs(value) >= LEAST else "0"
 
 
 def steps(guide: Guide) -> Markup:

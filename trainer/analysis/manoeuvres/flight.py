@@ -137,16 +137,14 @@ class Conn:
 
     def _beyond(self, watch: Watch) -> float:
         """Return how far a quantity is beyond its mark, negative before it."""
-        return watch.side * (self._quantity(watch.quantity) - watch.mark)
-
-    def _quantity(self, name: str) -> float:
-        """Return a quantity that can be watched."""
-        if name == "depth rate":
+        if watch.quantity == "depth rate":
             theta = self.value("theta")
-            return self.value("w") * math.cos(theta) - self.value("u") * math.sin(theta)
-        if name == "size of theta":
-            return abs(self.value("theta"))
-        return self.value(name)
+            value = self.value("w") * math.cos(theta) - self.value("u") * math.sin(theta)
+        elif watch.quantity == "size of theta":
+            value = abs(self.value("theta"))
+        else:
+            value = self.value(watch.quantity)
+        return watch.side * (value - watch.mark)
 
     def _pass(self, end: float, watch: Watch | None) -> Cycles:
         """Let time pass to ``end`` [s] or until what is watched passes."""

@@ -243,7 +243,6 @@ class PullOut(Manoeuvre):
     """
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
-    compared: ClassVar[tuple[str, ...]] = ()
     shows: ClassVar[tuple[str, ...]] = ("r", "delta_r")
 
     angle_deg: float = 20.0  # rudder
@@ -287,7 +286,6 @@ class Spiral(Manoeuvre):
     """
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
-    compared: ClassVar[tuple[str, ...]] = ()
     shows: ClassVar[tuple[str, ...]] = ("turns", "r", "delta_r")
 
     angle_deg: float = 15.0  # rudder, the largest
@@ -325,7 +323,6 @@ class ReverseSpiral(Manoeuvre):
     """Bech's reverse spiral: the rudder that holds each of a series of yaw rates."""
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
-    compared: ClassVar[tuple[str, ...]] = ()
     shows: ClassVar[tuple[str, ...]] = ("turns", "r", "delta_r")
 
     angle_deg: float = 15.0  # rudder that finds the largest yaw rate

@@ -138,7 +138,6 @@ def swing(tops: list[tuple[float, float]]) -> tuple[float | None, float | None]:
 class RollDecay(Manoeuvre):
     """Lying still, heeled and let go."""
 
-    needs: ClassVar[tuple[str, ...]] = ()
     compared: ClassVar[tuple[str, ...]] = ("phi",)
     shows: ClassVar[tuple[str, ...]] = ("phi",)
     from_rest: ClassVar[bool] = True

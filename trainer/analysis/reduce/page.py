@@ -1,6 +1,7 @@
 """A reduction as text, and written into a vessel file."""
 
 import re
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
@@ -147,7 +148,9 @@ def factor_tables(
     The evidence names what would be worst without each term beyond those of 1969.
     """
     extra = [name for name in EXTRA_TERMS if factors["modified"].get(name)]
-    lines = ["[compact]", *_list_names("extra_terms", extra), ""]
+    names, indent = " ".join(f'"{name}",' for name in extra), " " * 4
+    rows = textwrap.wrap(names, WIDTH, initial_indent=indent, subsequent_indent=indent)
+    lines = ["[compact]", "extra_terms = [", *rows, "]", ""]
     for name, of_set in factors.items():
         shown = {
             key: value
@@ -166,17 +169,3 @@ def factor_tables(
             words = f"without it {need.quantity} in {need.leg}: {need.worst:.3g} of the allowed"
             lines.append(f'{name} = "{words}"')
     return "\n".join(lines) + "\n"
-
-
-def _list_names(key: str, names: Sequence[str]) -> Iterator[str]:
-    """Yield an array of names in lines that fit."""
-    yield f"{key} = ["
-    row = "   "
-    for name in names:
-        if len(row) + len(name) + 4 > WIDTH:
-            yield row
-            row = "   "
-        row += f' "{name}",'
-    if names:
-        yield row
-    yield "]"
