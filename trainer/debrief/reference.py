@@ -205,9 +205,9 @@ def _departure(
 
 
 def band_of(rule: Rule, best: Scored) -> tuple[float, float]:
-    """Return what a task allows: so early or late [s], so far off either way in its unit.
+    """Return what a task allows: so early or late [s], and so far off.
 
-    That is its band, and what full marks leave beyond the reference's.
+    That is its band in the quantity's unit, and what full marks leave beyond the reference's.
     """
     score, measured = rule.score, rule.measured
     assert measured  # noqa: S101 (asked for by who calls)

@@ -109,7 +109,7 @@ def last_tick(plan: Plan) -> int:
 
 
 def due_orders(plan: Plan, first: int = 0, place: int = 0) -> Iterator[range]:
-    """Yield for each tick of a plan the places of the scheduled orders that are due in it.
+    """Yield for each tick of a plan the places of the orders due.
 
     An order is due in the first tick not before its time. It begins at a tick, and at a place.
     """

@@ -124,7 +124,7 @@ class Trajectory:
 
 
 def stretches(rows: Rows) -> Iterator[tuple[int, int]]:
-    """Yield the first row of each stretch in which something holds, and the row after it."""
+    """Yield each stretch of rows: its first one, and the one after it."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], rows, [False])).astype(int)))
     yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
