@@ -15,7 +15,6 @@ from trainer.analysis.exercise_page import (
     Flown,
     baseline_of,
     check,
-    crew_card,
     fly_at,
     keep,
     planned,
@@ -84,7 +83,8 @@ def with_ways(plan: Plan, hand: str, **ways: float) -> Crew:
 
 
 def marks_of(name: str, crew: Crew, reaction: Reaction | None = None) -> Scorecard:
-    return crew_card(flown(name).plan, flown(name).nobody_marks, crew, reaction)
+    plan = flown(name).plan
+    return judge(fly(plan, crew, reaction).trajectory, plan, flown(name).nobody_marks)
 
 
 # Each at its own seed

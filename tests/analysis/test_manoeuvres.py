@@ -148,6 +148,7 @@ def test_the_library_of_manoeuvres_does_not_know_submarines() -> None:
         allowed = (
             "trainer.config.files",
             "trainer.config.nomoto",
+            "trainer.boat.world.nomoto",
             "trainer.analysis.series",
             "trainer.analysis.manoeuvres.",
             "trainer.core.kernel",

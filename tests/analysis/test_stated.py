@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from trainer.analysis.exercise_page import check
-from trainer.analysis.stated import figures_flown
+from trainer.analysis.stated import fly_stated
 from trainer.boat.depths import SEEN
 from trainer.boat.grounding import GENTLE_SINK
 from trainer.config.baseline import digest_of
@@ -19,6 +19,8 @@ from trainer.config.files import ConfigError, Place, path_named, read_text, ship
 from trainer.config.reference_crew import HANDS
 from trainer.config.score_rules import MEASURES, parse_quantity
 from trainer.config.stated import JUDGED, UNITS, Figure, figures_of
+from trainer.session.options import RunOptions
+from trainer.session.plan import plan_run
 
 NAMES = shipped_names("exercises")
 STATING = tuple(name for name in NAMES if load_exercise(name).stated)
@@ -168,7 +170,8 @@ def test_every_time_depth_and_rate_of_a_text_is_a_field_of_its_file_or_flown(nam
 
 @pytest.mark.parametrize("name", STATING)
 def test_a_boat_does_what_the_texts_state(name: str) -> None:
-    wrong = [each.difference for each in figures_flown(name) if not each.holds]
+    flown = fly_stated(plan_run(RunOptions(exercise=name)), load_exercise(name).stated, {})
+    wrong = [each.difference for each in flown if not each.holds]
     assert not wrong, wrong
 
 

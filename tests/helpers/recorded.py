@@ -9,7 +9,7 @@ import numpy as np
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.config.files import remembering
-from trainer.debrief.rehearsal import due, last_tick
+from trainer.debrief.rehearsal import due_orders
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Recording
@@ -38,7 +38,6 @@ def record(
     recording = Recording.create(path, header, state)
     timed = crew.items() if isinstance(crew, Mapping) else crew
     given_at = [(round(second / plan.method.step), text) for second, text in timed]
-    place = 0
 
     def give(by: str, order: Order, number: int | None) -> None:
         entry = recording.order(boat.ticks, by, order.text, number)
@@ -47,10 +46,9 @@ def record(
         recording.answered(entry, str(answer), not refused)
 
     with np.errstate(all="ignore"):
-        for tick in range(last_tick(plan)):
-            while place < len(plan.schedule) and due(plan, place) <= tick:
+        for tick, places in enumerate(due_orders(plan)):
+            for place in places:
                 give("schedule", plan.schedule[place].order, place)
-                place += 1
             for text in (text for when, text in given_at if when == tick):
                 order = parse(text)
                 assert isinstance(order, Order), order

@@ -73,6 +73,32 @@ TABLE = """
 kind = "pump-trim-failed"
 severity = 0.5
 """
+NOMOTO = """
+schema = "nomoto/1"
+name = "a ship"
+length_m = 161
+speed_kn = 15
+K_per_s = -0.18
+T1_s = 118
+T2_s = 7.8
+T3_s = 18.5
+rudder_limit_deg = 35
+rudder_rate_deg_s = 2.5
+step_s = 0.5
+"""
+MET = """
+schema = "exercise/1"
+name = "A ship is met"
+briefing = "It answers its rudder."
+
+[[contact]]
+name = "one"
+type = "cargo"
+points = [[5000, 200]]
+course_deg = 90
+speed_kn = 12
+nomoto = "./ship.toml"
+"""
 SWELL = "[sea]\nheight_m = 2.5\nperiod_s = 9\nspectrum = 'bretschneider'\n"
 
 
@@ -413,3 +439,17 @@ def test_a_header_of_anybody_s_making_is_refused_by_name(
 
     with pytest.raises(ConfigError, match=told):
         read(header)  # type: ignore[operator]
+
+
+def test_a_nomoto_ship_that_went_by_the_first_form_is_told(tmp_path: Path) -> None:
+    """Form 1 took other steps: what is recorded does not fly again to its own bits."""
+    (tmp_path / "ship.toml").write_text(NOMOTO, encoding="utf-8")
+    path = tmp_path / "met.toml"
+    path.write_text(MET, encoding="utf-8")
+    _, _, header = recorded_run(RunOptions(exercise=str(path)))
+    assert differences(header) == []
+    before = {key: value for key, value in header.items() if key != "nomoto"}
+    assert differences(before) == ["Nomoto ships of form 2, recorded 1: they go by other steps"]
+    _, _, without = recorded_run(RunOptions())
+    del without["nomoto"]
+    assert differences(without) == []

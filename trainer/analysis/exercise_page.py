@@ -11,7 +11,7 @@ import json
 import re
 import statistics
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Final
 
@@ -19,7 +19,6 @@ import click
 
 from trainer.analysis.stated import fly_stated
 from trainer.boat.boat import Boat
-from trainer.boat.reference_crew import Reaction
 from trainer.config.baseline import (
     SCHEMA,
     Baseline,
@@ -29,7 +28,7 @@ from trainer.config.baseline import (
     digest_of,
     write_baseline,
 )
-from trainer.config.exercise import Exercise, load_exercise, parse_exercise
+from trainer.config.exercise import load_exercise, parse_exercise
 from trainer.config.files import (
     ConfigError,
     Place,
@@ -42,8 +41,8 @@ from trainer.config.files import (
     read_text,
     shipped,
     write_once,
+    write_over,
 )
-from trainer.config.reference_crew import Crew
 from trainer.config.score_rules import Rule
 from trainer.config.vessel import load_vessel
 from trainer.core.cache import core_digest
@@ -51,7 +50,6 @@ from trainer.debrief.judgement import MOST_NOBODY, judge, plain_marks
 from trainer.debrief.rehearsal import CREW, Rehearsal, fly
 from trainer.debrief.scoring import Scorecard, formula_of
 from trainer.debrief.trajectory import lacks
-from trainer.io.atomic_write import write_whole
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.units import KNOT
@@ -65,6 +63,7 @@ class Flown:
     nobody_marks: Mapping[str, float]  # [%] p, by the name of the score
     nobody: Scorecard
     crew: Scorecard | None
+    flights: Mapping[str, Rehearsal] = field(default_factory=dict)  # of "nobody" and "crew"
 
 
 @dataclass(frozen=True)
@@ -99,17 +98,12 @@ def planned(name: str, seed: int | None = None) -> Plan:
 
 def fly_both(plan: Plan) -> Flown:
     """Return a plan flown by nobody, and by its reference crew if it has one."""
-    alone = fly(plan).trajectory
-    marks = plain_marks(alone, plan)
-    crew = crew_card(plan, marks, plan.crew) if plan.crew.rules else None
-    return Flown(plan, marks, judge(alone, plan, marks), crew)
-
-
-def crew_card(
-    plan: Plan, nobody: Mapping[str, float], crew: Crew, reaction: Reaction | None = None
-) -> Scorecard:
-    """Return the marks of a crew that follows rules; ``nobody`` has those of nobody aboard."""
-    return judge(fly(plan, crew, reaction).trajectory, plan, nobody)
+    flights = {"nobody": fly(plan)}
+    if plan.crew.rules:
+        flights["crew"] = fly(plan, plan.crew)
+    marks = plain_marks(flights["nobody"].trajectory, plan)
+    cards = {name: judge(flight.trajectory, plan, marks) for name, flight in flights.items()}
+    return Flown(plan, marks, cards["nobody"], cards.get("crew"), flights)
 
 
 def study(name: str, count: int) -> Study:
@@ -117,12 +111,12 @@ def study(name: str, count: int) -> Study:
 
     There are ``count`` where seeds matter.
     """
-    own = fly_at(name)
+    own = replace(fly_at(name), flights={})
     seeds = [own.plan.seed]
     if varies(name, own.plan):
         others = (seed for seed in range(1, count + 1) if seed != own.plan.seed)
         seeds += list(others)[: count - 1]
-    flown = (own, *(fly_at(name, seed) for seed in seeds[1:]))
+    flown = (own, *(replace(fly_at(name, seed), flights={}) for seed in seeds[1:]))
     return Study(path_named(name, "exercises"), tuple(seeds), flown)
 
 
@@ -190,10 +184,7 @@ def _number(value: float | None, digits: int = 0) -> str:
 def keep(found: Study) -> Path:
     """Write the baseline beside its exercise; return where. ConfigError if it cannot be."""
     path = baseline_path(found.path)
-    try:
-        write_whole(path, write_baseline(baseline_of(found)))
-    except OSError as error:
-        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
+    write_over(path, write_baseline(baseline_of(found)))
     return path
 
 
@@ -241,99 +232,64 @@ def _copy(source: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-@dataclass(frozen=True)
-class Checked:
-    """An exercise flown for its check, by nobody and by its own crew."""
-
-    plan: Plan
-    nobody: Rehearsal
-    crew: Rehearsal | None
-    marks: Mapping[str, float]  # [%] with nobody aboard, by the name of the score
-
-
 def check(name: str) -> list[str]:
     """Return what an exercise is, a line each. ConfigError with all that is wrong in it."""
     problems: list[str] = []
     with collecting(problems):
         plan = plan_run(RunOptions(exercise=name))
     if problems:
-        with collecting(problems):
-            _refuse_vessel(path_named(name, "exercises"))
+        with collecting(problems):  # a boat that cannot be read, too
+            path = path_named(name, "exercises")
+            vessel = parse_toml(read_text(path), path.name).get("vessel")
+            if isinstance(vessel, str):
+                load_vessel(beside(path, vessel))
         raise ConfigError(*dict.fromkeys(problems))
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
-    checked = flown(plan)
+    checked = None if plan.duration is None else fly_both(plan)
     if checked is not None:
         path = path_named(name, "exercises")
         place = Place(path.name, "")
-        problems = [*_refused(checked, place), *_misstated(checked, load_exercise(name), place)]
+        problems = [*_refused(checked, place)]
+        for i, figure in enumerate(fly_stated(plan, load_exercise(name).stated, checked.flights)):
+            if not figure.holds:
+                said = figure.stated.row.says
+                problems.append(place.inside(f"stated[{i}]").wrong("says", said, figure.difference))
         if problems:
             raise ConfigError(*numbered(problems, read_text(path), path.name))
     return [f"{word:8}{text}" for word, text in _lines(plan, boat, checked)]
 
 
-def _refuse_vessel(path: Path) -> None:
-    """Raise ConfigError if an exercise's boat cannot be read, whatever else is wrong there."""
-    vessel = parse_toml(read_text(path), path.name).get("vessel")
-    if isinstance(vessel, str):
-        load_vessel(beside(path, vessel))
-
-
-def flown(plan: Plan) -> Checked | None:
-    """Return the exercise flown, None for one without an end."""
-    if plan.duration is None:
-        return None
-    nobody = fly(plan)
-    crew = fly(plan, plan.crew) if plan.crew.rules else None
-    return Checked(plan, nobody, crew, plain_marks(nobody.trajectory, plan))
-
-
-def _refused(checked: Checked, place: Place) -> Iterator[str]:
+def _refused(checked: Flown, place: Place) -> Iterator[str]:
     """Yield what a run would refuse, and what makes the marks worth nothing."""
     plan = checked.plan
-    for each in checked.nobody.refused:
+    for each in checked.flights["nobody"].refused:
         entry = plan.schedule[each.place or 0]
         broken = entry.order.name in ("casualty", "clear")
         inside = place.inside(f"{'casualties' if broken else 'orders'}[{entry.line_number - 1}]")
         at = inside if entry.line_number else place
         key = "name" if broken else "order"
         yield at.wrong(key, entry.order.subject or each.text, f"a run refuses it: {each.answer}")
-    if checked.crew is not None:
-        yield from _crew_refused(checked.crew, plan, place)
+    crew = checked.flights["crew"].refused if checked.crew else ()
+    refused = {each.text: each.answer for each in crew if each.who == CREW}
+    for i, reaction in enumerate(plan.crew.rules):
+        if reaction.order.text in refused:
+            told = f"the boat refuses it: {refused[reaction.order.text]}"
+            yield place.inside(f"crew[{i}]").wrong("order", reaction.row.order, told)
     if not plan.judged_by_tasks:
         return
     for i, rule in enumerate(plan.scores):
-        free = checked.marks.get(rule.score.name, 0.0)
+        free = checked.nobody_marks.get(rule.score.name, 0.0)
         if rule.part != "keeping" and free > MOST_NOBODY:
             told = f"gives {free:.0f} marks with nobody aboard, {MOST_NOBODY:.0f} at most: "
             told += 'have it be won, or part = "keeping"'
             yield place.inside(f"scores[{i}]").wrong("name", rule.score.name, told)
-    verdict = judge(checked.nobody.trajectory, plan, checked.marks).verdict
+    verdict = checked.nobody.verdict
     if plan.scores and verdict is not None and verdict.outcome == "won":
         yield place.problem("[[scores]]: this exercise is won by standing still")
 
 
-def _misstated(checked: Checked, exercise: Exercise, place: Place) -> Iterator[str]:
-    """Yield the figures of the texts that are not flown so."""
-    flights = {"nobody": checked.nobody}
-    if checked.crew is not None:
-        flights["crew"] = checked.crew
-    for i, figure in enumerate(fly_stated(checked.plan, exercise.stated, flights)):
-        if not figure.holds:
-            inside = place.inside(f"stated[{i}]")
-            yield inside.wrong("says", figure.stated.row.says, figure.difference)
-
-
-def _crew_refused(flown_: Rehearsal, plan: Plan, place: Place) -> Iterator[str]:
-    """Yield the orders of the reference crew's rules that the boat refuses."""
-    refused = {each.text: each.answer for each in flown_.refused if each.who == CREW}
-    for i, rule in enumerate(plan.crew.rules):
-        if rule.order.text in refused:
-            told = f"the boat refuses it: {refused[rule.order.text]}"
-            yield place.inside(f"crew[{i}]").wrong("order", rule.row.order, told)
-
-
-def _lines(plan: Plan, boat: Boat, checked: Checked | None) -> Iterator[tuple[str, str]]:
+def _lines(plan: Plan, boat: Boat, checked: Flown | None) -> Iterator[tuple[str, str]]:
     """Yield what an exercise is, a word and a text each."""
     s, method = boat.state, plan.method
     yield "name", plan.title
@@ -347,7 +303,9 @@ def _lines(plan: Plan, boat: Boat, checked: Checked | None) -> Iterator[tuple[st
         yield "allowed", ", ".join(plan.allowed)
     yield from (("at", f"{entry.seconds:g} s: {entry.order.text}") for entry in plan.schedule)
     yield from (("when", f"{each.condition.text}: {each.casualty.name}") for each in plan.armed)
-    yield from (("limit", text) for text in _limits(plan))
+    for item in fields(plan.limits):
+        if (limit := getattr(plan.limits, item.name)) is not None:
+            yield "limit", f"{item.name} {limit:g}"
     yield from (("lost", loss.text) for loss in plan.lost)
     yield from (("score", text) for text in _scores(plan))
     if checked is not None and plan.judged_by_tasks:
@@ -355,28 +313,20 @@ def _lines(plan: Plan, boat: Boat, checked: Checked | None) -> Iterator[tuple[st
     yield from (("note", text) for text in _notes(plan, boat))
 
 
-def _marks(checked: Checked) -> Iterator[tuple[str, str]]:
+def _marks(checked: Flown) -> Iterator[tuple[str, str]]:
     """Yield what nobody and the reference crew get."""
     plan = checked.plan
-    for word, found in (("nobody", checked.nobody), ("crew", checked.crew)):
-        if found is None:
+    for word, card in (("nobody", checked.nobody), ("crew", checked.crew)):
+        if card is None:
             yield "note", "there is no reference crew: nothing to lay under a crew's own run"
             continue
-        card = judge(found.trajectory, plan, checked.marks)
         total = "void" if card.total is None else f"{card.total:.0f} marks"
         why = f": {card.verdict.reason}" if card.verdict and card.verdict.reason else ""
         yield word, f"{total}, {card.verdict.outcome if card.verdict else '-'}{why}"
     if checked.crew is not None:
         for i, rule in enumerate(plan.crew.rules):
-            if i not in checked.crew.rules_given:
+            if i not in checked.flights["crew"].times:
                 yield "note", f"crew[{i}] {rule.row.order}: was not to be given at this seed"
-
-
-def _limits(plan: Plan) -> Iterator[str]:
-    for item in fields(plan.limits):
-        limit = getattr(plan.limits, item.name)
-        if limit is not None:
-            yield f"{item.name} {limit:g}"
 
 
 def _scores(plan: Plan) -> Iterator[str]:

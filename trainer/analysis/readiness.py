@@ -11,7 +11,7 @@ from typing import Final
 from trainer.analysis.guide.programme import Leg, legs
 from trainer.analysis.guide.verdicts import BEYOND, Judgement
 from trainer.analysis.manoeuvres.vehicle import PERCENT
-from trainer.analysis.reduce.objective import FURTHEST, Candidate, Yardstick
+from trainer.analysis.reduce.objective import FURTHEST, Candidate, Yardstick, multiple
 from trainer.analysis.reduce.reduction import as_filed
 from trainer.config.files import SHIPPED, as_typed, key_of
 from trainer.config.vessel import VesselFile
@@ -75,18 +75,12 @@ def _worst(leg: Leg, judgements: tuple[Judgement, ...]) -> Worst:
     """Return the number of a flight that is furthest off."""
     if not judgements:
         return Worst(leg.title, "it cannot start", "", None, None, FURTHEST)
-    sizes = {one: _share(one) for one in judgements if one.allowed or one.verdict == BEYOND}
+    judged = (one for one in judgements if one.allowed or one.verdict == BEYOND)
+    sizes = {one: abs(multiple(one)) for one in judged}
     if not sizes:
         return Worst(leg.title, "", "", None, None, 0.0)
     one = max(sizes, key=lambda each: sizes[each])
     return Worst(leg.title, one.quantity, one.unit, one.full, one.other, sizes[one])
-
-
-def _share(one: Judgement) -> float:
-    """Return a difference as a share of what is allowed [-]; a number that is lacking is zero."""
-    if not one.allowed or one.full is None:
-        return FURTHEST
-    return min(abs((one.other or 0.0) - one.full) / one.allowed, FURTHEST)
 
 
 def _lacks(file: VesselFile, found: Readiness) -> Iterator[Lack]:

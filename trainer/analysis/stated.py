@@ -5,12 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from trainer.config.exercise import load_exercise
 from trainer.config.stated import Stated
 from trainer.debrief.rehearsal import Rehearsal, fly
 from trainer.debrief.trajectory import Trajectory
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.plan import Plan
 
 
 @dataclass(frozen=True)
@@ -37,12 +35,6 @@ class StatedFigure:
         return f"{told} {self.tolerance:.3g}: correct the text and its row"
 
 
-def figures_flown(name: str) -> list[StatedFigure]:
-    """Return the stated figures of an exercise, flown. ConfigError if it cannot begin."""
-    stated = load_exercise(name).stated
-    return fly_stated(plan_run(RunOptions(exercise=name)), stated, {}) if stated else []
-
-
 def fly_stated(
     plan: Plan, stated: tuple[Stated, ...], flights: Mapping[str, Rehearsal]
 ) -> list[StatedFigure]:
@@ -53,20 +45,15 @@ def fly_stated(
         given = (f", {order.seconds:g} {order.order.text}" for order in entry.orders)
         way = entry.row.by + "".join(given)
         if way not in flights:
-            flights[way] = _fly(plan, entry)
+            schedule = sorted([*plan.schedule, *entry.orders], key=lambda order: order.seconds)
+            crew = plan.crew if entry.row.by == "crew" else None
+            flights[way] = fly(replace(plan, schedule=schedule), crew)
         trajectory = flights[way].trajectory
         step = trajectory.boat.method.step if entry.measured is None else 0.0
         figures.append(
             StatedFigure(entry, _measured(entry, trajectory), max(entry.tolerance, step))
         )
     return figures
-
-
-def _fly(plan: Plan, stated: Stated) -> Rehearsal:
-    """Return the flight of a figure, with the orders given besides."""
-    schedule = sorted([*plan.schedule, *stated.orders], key=lambda entry: entry.seconds)
-    plan = replace(plan, schedule=schedule)
-    return fly(plan, plan.crew if stated.row.by == "crew" else None)
 
 
 def _measured(stated: Stated, trajectory: Trajectory) -> float | None:

@@ -257,7 +257,7 @@ def guide(vessel: str, **options: Any) -> None:
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     choose = legs_of_1969 if options["programme"] == "1969" else legs
     book = write_guide(file, choose(file, options["depth"]), made, options["cores"])
-    now = json.loads(json_of(page.as_json(book.guide)))
+    now = json.loads(json_of(asdict(book.guide)))
     moves = None if earlier is None else contents.compare_guides(earlier, now)
     write_document(page.render(book, moves), options["html"], options["pdf"])
     if options["as_json"]:

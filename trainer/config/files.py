@@ -19,6 +19,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, Final, NamedTuple, NoReturn
 
+from trainer.io.atomic_write import write_whole
+
 SIZE_LIMIT = 1_000_000  # [byte]
 # tomllib takes minutes over one dotted key of a hundred thousand parts.
 LINE_LIMIT = 10_000  # [characters]
@@ -287,6 +289,14 @@ def write_once(path: Path, text: str) -> None:
             file.write(text)
     except FileExistsError:
         raise ConfigError(f"{path} is there already: give a new name") from None
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
+
+
+def write_over(path: Path, text: str) -> None:
+    """Write a text over a file, whole. ConfigError if it cannot be written."""
+    try:
+        write_whole(path, text)
     except OSError as error:
         raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
 

@@ -188,20 +188,14 @@ def changed_card(
     """Return the marks as changed; ``nobody`` has those with nobody aboard, by width and name."""
     told = {each.name: each.what for each in changes}  # the last of a name counts
     width = told.get(WIDTH, width)
-    scores = tuple(
-        replace(rule, score=replace(rule.score, weight=weight))
-        for rule in plan.scores
-        if (weight := _weight(told.get(rule.score.name), rule.weight)) > 0.0
-    )
-    card = judge(trajectory, replace(plan, scores=scores), nobody[width], width)
+    scores = []
+    for rule in plan.scores:
+        what = told.get(rule.score.name, f"{WEIGHT_WORD} {rule.weight!r}")
+        weight = 0.0 if what == STRIKE else float(what.partition(" ")[2])
+        if weight > 0.0:
+            scores.append(replace(rule, score=replace(rule.score, weight=weight)))
+    card = judge(trajectory, replace(plan, scores=tuple(scores)), nobody[width], width)
     return with_outcome(card, told[OUTCOME]) if OUTCOME in told else card
-
-
-def _weight(what: str | None, weight: float) -> float:
-    """Return the weight of a rule after a change; nothing where it is struck."""
-    if what is None:
-        return weight
-    return 0.0 if what == STRIKE else float(what.partition(" ")[2])
 
 
 def with_outcome(card: Scorecard, outcome: str) -> Scorecard:

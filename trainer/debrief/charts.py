@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -38,7 +39,11 @@ from trainer.units import KNOT
 
 ACTUAL, ORDERED, SECOND = "actual", "ordered", "second"
 MAX_MARKS_DRAWN: Final = 200  # marks or calls in a chart
-LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
+SURFACES: Final = {  # their letters in the state, and the titles of their charts
+    "rudder": ("r", "Rudder, right positive"),
+    "stern": ("s", "Stern planes, rise positive"),
+    "bow": ("b", "Bow planes, rise positive"),
+}
 BESIDE, FROM_HERE = "beside", "from-here"
 WRONG, TAKEN = "wrong", "taken"  # moments of the page
 NEARLY_ROUND: Final = 350.0  # [deg] from the ordered course: the boat has gone round
@@ -96,16 +101,12 @@ def ground_of(debrief: DebriefData) -> Ground:
         for each in debrief.casualties
     )
     marks = tuple(each.tick * step for each in _drawn(debrief, "mark"))
-    return Ground(seconds, spans, marks, tuple(_moments(debrief)))
-
-
-def _moments(debrief: DebriefData) -> Iterator[tuple[str, float]]:
-    """Yield when it went wrong, and when the reference crew took over."""
-    found = debrief.compared
+    found, moments = debrief.compared, []
     if found and found.fault:
-        yield WRONG, found.fault.tick * debrief.step
+        moments.append((WRONG, found.fault.tick * step))
     if found and found.from_here:
-        yield TAKEN, found.from_here.since or 0.0
+        moments.append((TAKEN, found.from_here.since or 0.0))
+    return Ground(seconds, spans, marks, tuple(moments))
 
 
 def charts_of(trajectory: Trajectory, beside: tuple[Beside, ...] = ()) -> Iterator[Chart]:
@@ -113,7 +114,8 @@ def charts_of(trajectory: Trajectory, beside: tuple[Beside, ...] = ()) -> Iterat
 
     Those of parts that the boat lacks are left out.
     """
-    for make in (_depth, _clearance, _pitch, _stern, _bow, _course, _rudder, _speed, _air):
+    stern, bow, rudder = (partial(_surface, surface=name) for name in ("stern", "bow", "rudder"))
+    for make in (_depth, _clearance, _pitch, stern, bow, _course, rudder, _speed, _air):
         chart = make(trajectory)
         if chart is not None:
             end = float(trajectory.seconds[-1])
@@ -174,24 +176,18 @@ def _pitch(trajectory: Trajectory) -> Chart:
     return Chart("pitch", "Pitch and heel", "deg", lines, both, least=4.0)
 
 
-def _stern(trajectory: Trajectory) -> Chart | None:
-    return _surface(trajectory, "stern", "Stern planes, rise positive")
+def _surface(trajectory: Trajectory, surface: str) -> Chart | None:
+    """Return the chart of a surface, its order by hand or by the autopilot.
 
-
-def _bow(trajectory: Trajectory) -> Chart | None:
-    return _surface(trajectory, "bow", "Bow planes, rise positive")
-
-
-def _rudder(trajectory: Trajectory) -> Chart | None:
-    return _surface(trajectory, "rudder", "Rudder, right positive")
-
-
-def _surface(trajectory: Trajectory, surface: str, title: str) -> Chart | None:
-    """Return the chart of a surface, None of one that the boat lacks."""
+    None of one that the boat lacks.
+    """
     if not trajectory.has(surface):
         return None
+    column, (letter, title) = trajectory.columns, SURFACES[surface]
+    by_hand = column[f"{surface}_by_hand"] != 0.0
+    told = np.where(by_hand, column[f"ordered_{letter}"], column[f"command_{letter}"])
     lines = (
-        Line("ordered", commanded_angle(trajectory, surface), ORDERED),
+        Line("ordered", np.degrees(told) * trajectory.boat.toward[surface], ORDERED),
         Line("actual", np.degrees(trajectory.series(surface)), ACTUAL),
     )
     return Chart(surface, title, "deg", lines, least=10.0)
@@ -251,14 +247,6 @@ def _air(trajectory: Trajectory) -> Chart | None:
     return Chart("air", "Air banks, share of full", "%", tuple(lines), least=10.0)
 
 
-def commanded_angle(trajectory: Trajectory, surface: str) -> Numbers:
-    """Return the ordered angle [deg] of a surface, by hand or by the autopilot."""
-    column, letter = trajectory.columns, LETTERS[surface]
-    by_hand = column[f"{surface}_by_hand"] != 0.0
-    told = np.where(by_hand, column[f"ordered_{letter}"], column[f"command_{letter}"])
-    return np.degrees(told) * trajectory.boat.toward[surface]
-
-
 def _limits(trajectory: Trajectory, key: str) -> tuple[Level, ...]:
     """Return the limits of the exercise that are about one thing."""
     unit = LIMITED[key].unit
@@ -281,10 +269,15 @@ WASHED: Final = 10.0  # [s] under water, in which the periscope is still taken t
 
 def draw_timeline(debrief: DebriefData, ground: Ground) -> Markup:
     """Return the time line as an SVG element."""
-    rows = [*_casualties(debrief, ground), *_to_crew(debrief, ground), _orders(debrief, ground)]
-    rows += [*_reference(debrief, ground), _shown(debrief, ground)]
+    ticks = [each.order.tick for each in debrief.read_backs]
+    told = [(tick, f"O{i}") for i, tick in enumerate(ticks, start=1)]
+    crew = [each.tick * debrief.step for each in debrief.crew]
+    rows = [*_casualties(debrief, ground), *_labelled(told, "ordered", debrief, ground)]
+    rows += [_strokes(crew, "crew", ground), *_reference(debrief, ground), _shown(debrief, ground)]
     rows += [_calls(debrief, ground), _marks(debrief, ground)]
-    rows += _scores(debrief, ground)
+    scores = enumerate((each.attained.tick for each in debrief.card.scores), start=1)
+    placed = [(tick, f"S{i}") for i, tick in scores if tick is not None]
+    rows += _labelled(placed, "score", debrief, ground)
     shown = [row for row in rows if row]
     bottom = TOP + ROW * len(shown)
     parts = [*backdrop(ground, TOP, bottom, "timeline"), *time_axis(ground, bottom)]
@@ -306,10 +299,6 @@ def _casualties(debrief: DebriefData, ground: Ground) -> Iterator[str]:
         yield bar + words + _heading("casualty" if i == 0 else "")
 
 
-def _orders(debrief: DebriefData, ground: Ground) -> str:
-    return _strokes([each.tick * debrief.step for each in debrief.crew], "crew", ground)
-
-
 def _reference(debrief: DebriefData, ground: Ground) -> Iterator[str]:
     """Yield the orders of the reference crew, a row for each of its runs."""
     for run in runs_beside(debrief):
@@ -324,13 +313,6 @@ def _strokes(seconds: list[float], heading: str, ground: Ground) -> str:
     places = [ground.across.at(each) for each in seconds if each <= ground.across.high]
     drawn = "".join(rule(style, x, 4.0, x, ROW - 4.0) for x in places)
     return drawn and drawn + _heading(heading)
-
-
-def _to_crew(debrief: DebriefData, ground: Ground) -> Iterator[str]:
-    """Yield the orders to the crew by their numbers in the table."""
-    ticks = [each.order.tick for each in debrief.read_backs]
-    named = [(tick, f"O{i}") for i, tick in enumerate(ticks, start=1)]
-    yield from _labelled(named, "ordered", debrief, ground)
 
 
 def _shown(debrief: DebriefData, ground: Ground) -> str:
@@ -358,17 +340,8 @@ def _drawn(debrief: DebriefData, kind: str) -> tuple[Noted, ...]:
 
 def _marks(debrief: DebriefData, ground: Ground) -> str:
     places = [ground.across.at(each.tick * debrief.step) for each in _drawn(debrief, "mark")]
-    return _labels(places, "M") and _labels(places, "M") + _heading("mark")
-
-
-def _scores(debrief: DebriefData, ground: Ground) -> Iterator[str]:
-    """Yield the places of the scores by their numbers in the table."""
-    ticks = [
-        (each.attained.tick, f"S{i}")
-        for i, each in enumerate(debrief.card.scores, start=1)
-        if each.attained.tick is not None
-    ]
-    yield from _labelled(ticks, "score", debrief, ground)
+    drawn = (text("tick middle", x, 14.0, f"M{i}") for i, x in enumerate(places, start=1))
+    return "".join(drawn) + _heading("mark") if places else ""
 
 
 def _labelled(
@@ -386,12 +359,6 @@ def _labelled(
             row, end = row + text("tick middle", x, 14.0, name), x
         yield row + heading
         left, heading = rest, ""
-
-
-def _labels(places: list[float], letter: str) -> str:
-    return "".join(
-        text("tick middle", x, 14.0, f"{letter}{i}") for i, x in enumerate(places, start=1)
-    )
 
 
 def _heading(words: str) -> str:

@@ -34,7 +34,7 @@ from trainer.debrief.reference import (
     fly_reference,
 )
 from trainer.debrief.rehearsal import CREW, Departure, fly
-from trainer.debrief.scoring import Scorecard, Scored, Verdict
+from trainer.debrief.scoring import Scorecard, Scored
 from trainer.debrief.trajectory import Trajectory, read_passage
 from trainer.io.recording.queries import Excess
 from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
@@ -151,7 +151,8 @@ def gather(
     ConfigError if the header cannot be read or there is no such branch.
     """
     header = recording.header()
-    width = width or width_of(header)
+    begun = header.get("width", "")
+    width = width or (begun if begun in WIDTHS else "qualified")
     branches = recording.branches()
     branch = find_branch(branches, source, number)
     wanted = branch.id
@@ -177,7 +178,10 @@ def gather(
         branches=tuple((each, last_tick(recording, each)) for each in branches),
         trajectory=trajectory,
         card=judge(trajectory, plan, nobody[width], width),
-        casualties=tuple(pair_answers(trajectory)),
+        casualties=tuple(
+            Answered(each, answer_to(trajectory, each), deflection(trajectory, each))
+            for each in spells(trajectory)
+        ),
         crew=crew_orders(trajectory),
         hands=hands(trajectory),
         events=events,
@@ -244,12 +248,6 @@ def departure_at(
     return Departure(moment, layout_of(debrief.header), reference.rehearsal.times, to_world)
 
 
-def width_of(header: Mapping[str, str]) -> str:
-    """Return the width that a run was begun with."""
-    width = header.get("width", "qualified")
-    return width if width in WIDTHS else "qualified"
-
-
 def practice_of(plan: Plan, branches: list[Branch], branch: Branch) -> str:
     """Return how a run was wound back. "": it was not, or to its start alone."""
     wound = (each for each in _ancestry(branches, branch) if each.tick > 0)
@@ -287,12 +285,6 @@ def nobody_aboard(plan: Plan, header: Mapping[str, str], width: str) -> Mapping[
 def last_tick(recording: Recording, branch: Branch) -> int:
     """Return the last tick recorded of a branch."""
     return max((tick for tick, _ in recording.states(branch.id)), default=branch.tick)
-
-
-def pair_answers(trajectory: Trajectory) -> Iterator[Answered]:
-    """Yield the casualties with what was done about them."""
-    for episode in spells(trajectory):
-        yield Answered(episode, answer_to(trajectory, episode), deflection(trajectory, episode))
 
 
 def hands(trajectory: Trajectory) -> tuple[Hand, ...]:
@@ -359,7 +351,7 @@ def figures(debrief: DebriefData) -> dict[str, Any]:
         "seconds": float(debrief.trajectory.seconds[-1]),
         "total": debrief.total,
         "deviation": deviation_of(debrief),
-        "verdict": _verdict(debrief.card.verdict),
+        "verdict": debrief.card.verdict and asdict(debrief.card.verdict),
         "cost_most": [asdict(each) for each in debrief.costs],
         **_compared(debrief),
         "changes": [asdict(each) | {"branch": int(each.branch)} for each in debrief.changes],
@@ -382,11 +374,6 @@ def figures(debrief: DebriefData) -> dict[str, Any]:
 
 def _seconds(tick: int | None, step: float) -> float | None:
     return None if tick is None else tick * step
-
-
-def _verdict(verdict: Verdict | None) -> dict[str, Any] | None:
-    """Return how an exercise ended, None for one whose marks are a plain mean."""
-    return None if verdict is None else asdict(verdict)
 
 
 def _score(each: Scored, step: float) -> dict[str, Any]:
@@ -457,7 +444,7 @@ def _card(card: Scorecard, step: float) -> dict[str, Any]:
     """Return the marks of a run."""
     return {
         "total": card.total,
-        "verdict": _verdict(card.verdict),
+        "verdict": card.verdict and asdict(card.verdict),
         "scores": [_score(each, step) for each in card.scores],
     }
 

@@ -17,7 +17,7 @@ from trainer.boat.world.bottom import ground_under
 from trainer.boat.world.contacts import contacts_in
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.boat.world.hulls import OwnHull, Pose
-from trainer.boat.world.scope import Mast, Periscope, periscope_of
+from trainer.boat.world.scope import Periscope, periscope_of
 from trainer.config.bottom import Bottom
 from trainer.config.casualties import Casualty
 from trainer.config.files import ConfigError
@@ -32,6 +32,7 @@ from trainer.debrief.trajectory import (
     Rows,
     Trajectory,
     eye_heights,
+    stretches,
 )
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Journalled
@@ -92,9 +93,8 @@ def _of_kind(
 ) -> list[Episode]:
     """Return the spells of one kind, whose slots are those ``there``."""
     active = np.any(there, axis=0)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], active, [False])).astype(int)))
     found = []
-    for first, after in edges.reshape(-1, 2):
+    for first, after in stretches(active):
         held = np.where(there, amounts, 0.0)[:, first:after]
         amount = float(held.ravel()[np.argmax(np.abs(held))])
         lasted = after == trajectory.ticks.size
@@ -276,12 +276,12 @@ def ways_of_ships(trajectory: Trajectory) -> list[ShipWay]:
     for row in range(0, trajectory.ticks.size, every):
         for ship in contacts.seen(int(trajectory.ticks[row])) if contacts else ():
             found.setdefault(ship.name, []).append((row, ship.north, ship.east))
-    return [_way(trajectory, name, np.array(places)) for name, places in found.items()]
-
-
-def _way(trajectory: Trajectory, name: str, places: Numbers) -> ShipWay:
-    rows = places[:, 0].astype(np.int64)
-    return ShipWay(name, rows, trajectory.seconds[rows], places[:, 1], places[:, 2])
+    ways = []
+    for name, places in found.items():
+        rows, north, east = np.array(places).T
+        whole = rows.astype(np.int64)
+        ways.append(ShipWay(name, whole, trajectory.seconds[whole], north, east))
+    return ways
 
 
 def place_of_ship(trajectory: Trajectory, name: str, tick: int) -> tuple[float, float] | None:
@@ -331,17 +331,12 @@ class LookOut:
     false: tuple[int, ...] = ()
 
 
-def masts(trajectory: Trajectory, scope: Periscope) -> list[Mast]:
-    """Return how the mast stood at each tick."""
-    return [scope.at(tick) for tick in trajectory.ticks.tolist()]
-
-
 def shown(trajectory: Trajectory) -> tuple[Rows, Numbers]:
     """Return at which ticks the head was out of the water, and at which raise."""
     scope = periscope_of(trajectory.boat)
     if scope is None:
         return np.zeros(trajectory.ticks.size, bool), np.zeros(trajectory.ticks.size)
-    stood = masts(trajectory, scope)
+    stood = [scope.at(tick) for tick in trajectory.ticks.tolist()]
     out = np.array([mast.out > 0.0 for mast in stood])
     return out & (eye_heights(trajectory) > 0.0), np.array([float(mast.raised) for mast in stood])
 

@@ -124,11 +124,6 @@ def listed(path: Path) -> Listed:
         return Listed(path, started, names, None, str(wrong), excess)
 
 
-def is_quick(path: Path) -> bool:
-    """Return whether a recording is listed at once: judged before, or small."""
-    return path.stat().st_size <= MAX_QUICK_BYTES or kept(path) is not None
-
-
 def kept(path: Path) -> Came | None:
     """Return the result kept beside a recording. None: it is of another state."""
     try:
@@ -148,7 +143,7 @@ def computed(path: Path) -> Came:
     """Return what a recording came to, and keep it where that can be; ConfigError."""
     with np.errstate(all="ignore"), reading(path) as recording:
         came = came_of(gather(recording, path, None))
-    if not _beside(path, "-wal").exists():  # else it is being written
+    if not path.with_name(f"{path.name}-wal").exists():  # else it is being written
         text = json.dumps({"of": stamp(path), "came": asdict(came)}, indent=1)
         try:
             write_whole(marks_path(path), text + "\n")
@@ -190,10 +185,6 @@ def stamp(path: Path) -> dict[str, Any]:
 def marks_path(recording: Path) -> Path:
     """Return where it is kept what a recording came to: beside it."""
     return recording.with_name(f"{recording.stem}{MARKS}")
-
-
-def _beside(path: Path, ending: str) -> Path:
-    return path.with_name(path.name + ending)
 
 
 # Trainees
@@ -317,14 +308,16 @@ def found_in(places: Sequence[Path]) -> list[Path]:
 
 def print_list(places: Sequence[Path], *, as_json: bool) -> None:
     """Print the recordings, each as soon as it is known; what takes long comes last."""
-    found = sorted(found_in(places), key=is_quick, reverse=True)
+    found = found_in(places)
+    found.sort(key=lambda path: path.stat().st_size > MAX_QUICK_BYTES and kept(path) is None)
     if as_json:
         click.echo(json.dumps(as_figures(map(listed, found)), indent=1))
         return
     if not found:
         where = ", ".join(map(str, places)) or recordings_folder()
         click.echo(f"no recording is in {where}: trainer run EXERCISE makes one")
-    for line in list_lines(map(listed, found), _columns()):
+    columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+    for line in list_lines(map(listed, found), columns):
         click.echo(plain(line))
 
 
@@ -332,7 +325,8 @@ def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
     """Print what a trainee has done; ConfigError if there is nothing of that name."""
     own = history(of_trainee(list(map(listed, found_in(places))), name))
     if as_json:
-        click.echo(json.dumps(history_figures(own), indent=1))
+        figures = [asdict(each) | {"mean_of_last": each.mean} for each in own]
+        click.echo(json.dumps(figures, indent=1))
         return
     click.echo("\n".join(map(plain, history_lines(own))))
 
@@ -341,11 +335,6 @@ def print_forgotten(places: Sequence[Path], name: str) -> None:
     """Remove a name and print where; ConfigError if it is nowhere, or cannot be removed."""
     for line in forget(name, found_in(places)):
         click.echo(line)
-
-
-def _columns() -> int | None:
-    """Return the width of the terminal that is written to; None if it is none."""
-    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
 
 
 def list_lines(found: Iterable[Listed], columns: int | None = None) -> Iterator[str]:
@@ -359,7 +348,13 @@ def list_lines(found: Iterable[Listed], columns: int | None = None) -> Iterator[
             yield _row(each, each.came, width)
             continue
         line = f"{_day(each.started):16}  {each.path.name}: cannot be read: {each.trouble}"
-        yield from [line] if width is None else _wrapped(line, width)
+        if width is None:
+            yield line
+        else:  # names of files stay in one piece
+            rest = " " * 18
+            yield from textwrap.wrap(
+                plain(line), width, subsequent_indent=rest, break_on_hyphens=False
+            )
 
 
 def _row(each: Listed, came: Came, width: int | None) -> str:
@@ -376,11 +371,6 @@ def _row(each: Listed, came: Came, width: int | None) -> str:
     head = f"{day}  {shortened(plain(exercise), place):{place}}  {result}  "
     tail = [who, each.path.name, free.strip()] if free else [who, each.path.name]
     return head + "  ".join(fitted(tail, width - len(head)))
-
-
-def _wrapped(line: str, width: int) -> list[str]:
-    """Return a long line as lines of that width [columns], names of files in one piece."""
-    return textwrap.wrap(plain(line), width, subsequent_indent=" " * 18, break_on_hyphens=False)
 
 
 def shortened(text: str, most: int) -> str:
@@ -425,11 +415,6 @@ def as_figures(found: Iterable[Listed]) -> list[dict[str, Any]]:
         }
         for each in found
     ]
-
-
-def history_figures(found: Iterable[Attempts]) -> list[dict[str, Any]]:
-    """Return a trainee's history for programs."""
-    return [asdict(each) | {"mean_of_last": each.mean} for each in found]
 
 
 def _day(started: str) -> str:

@@ -6,7 +6,7 @@ total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken or the boat w
 25 where the exercise was lost, 0 where the boat was hard aground.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -15,11 +15,11 @@ import numpy as np
 from trainer.boat.depths import lowest_depth
 from trainer.boat.limits import BEYOND
 from trainer.config.condition import Loss
-from trainer.config.score_rules import Rule, Score
+from trainer.config.score_rules import Rule
 from trainer.debrief.episodes import SCHEDULE, groundings, meet, name_of
 from trainer.debrief.measures import limits_of, rows_beyond
 from trainer.debrief.scoring import Scorecard, Scored, Verdict, score
-from trainer.debrief.trajectory import Rows, Trajectory
+from trainer.debrief.trajectory import Rows, Trajectory, stretches
 from trainer.report.svg import clock
 from trainer.session.plan import Plan
 
@@ -41,15 +41,11 @@ def judge(
     rules = widened(plan.scores, width)
     if not plan.judged_by_tasks:
         return score(trajectory, rules)
-    scores = tuple(_less_nobody(_flown(each), nobody) for each in score(trajectory, rules).scores)
+    scores = tuple(_less_nobody(each, nobody) for each in score(trajectory, rules).scores)
     scores = tuple(_answered(each, scores) for each in scores)
-    tasks = _mean([(each.rule.weight, each.earned) for each in scores if each.earned is not None])
-    kept = [
-        (each.rule.weight, each.marks)
-        for each in scores
-        if each.rule.part == "keeping" and each.marks is not None
-    ]
-    keeping = _mean(kept) if kept else 100.0
+    tasks = _mean((each.rule.weight, each.earned) for each in scores) or 0.0
+    kept = _mean((each.rule.weight, each.marks) for each in scores if each.rule.part == "keeping")
+    keeping = 100.0 if kept is None else kept
     verdict = _verdict(trajectory, plan, scores, (tasks, keeping))
     total = tasks * (1.0 - KEPT_SHARE + KEPT_SHARE * keeping / 100.0)
     total = total if verdict.cap is None else min(total, verdict.cap)
@@ -70,25 +66,23 @@ def widened(rules: tuple[Rule, ...], width: str) -> tuple[Rule, ...]:
     factor = WIDTHS[width]
     if factor == 1.0:
         return rules
-    return tuple(replace(rule, score=_wider(rule.score, factor)) for rule in rules)
-
-
-def _wider(said: Score, factor: float) -> Score:
-    band = None if said.band is None else factor * said.band
-    return replace(said, band=band, zero=said.full + factor * (said.zero - said.full))
-
-
-def _flown(each: Scored) -> Scored:
-    """Return a score; a task whose time the record does not reach has earned nothing."""
-    early = each.marks is None and each.attained.why.startswith("the record ends")
-    return replace(each, marks=0.0) if early else each
+    wider = []
+    for rule in rules:
+        said = rule.score
+        band = None if said.band is None else factor * said.band
+        zero = said.full + factor * (said.zero - said.full)
+        wider.append(replace(rule, score=replace(said, band=band, zero=zero)))
+    return tuple(wider)
 
 
 def _less_nobody(each: Scored, nobody: Mapping[str, float]) -> Scored:
     """Return a score with what it earned beyond nobody aboard.
 
-    Where nobody gets more than MOST_NOBODY, at this seed, there is nothing to be earned.
+    Where nobody gets more than MOST_NOBODY, at this seed, there is nothing to be earned. A task
+    whose time the record does not reach has earned nothing.
     """
+    if each.marks is None and each.attained.why.startswith("the record ends"):
+        each = replace(each, marks=0.0)
     if each.rule.part == "keeping" or each.marks is None:
         return each
     free = nobody.get(each.name, 0.0)
@@ -102,18 +96,16 @@ def _answered(each: Scored, scores: tuple[Scored, ...]) -> Scored:
     """Return an answer times the mean of the tasks: an order alone masters nothing."""
     if each.rule.part != "answer" or each.earned is None:
         return each
-    others = [
-        (other.rule.weight, other.earned)
-        for other in scores
-        if other.rule.part == "task" and other.earned is not None
-    ]
-    return replace(each, earned=each.earned * _mean(others) / 100.0) if others else each
+    others = _mean((one.rule.weight, one.earned) for one in scores if one.rule.part == "task")
+    return each if others is None else replace(each, earned=each.earned * others / 100.0)
 
 
-def _mean(weighted: list[tuple[float, float]]) -> float:
-    """Return the mean by weight, 0 of nothing."""
-    whole = sum(weight for weight, _ in weighted)
-    return sum(weight * value for weight, value in weighted) / whole if whole else 0.0
+def _mean(weighted: Iterable[tuple[float, float | None]]) -> float | None:
+    """Return the mean by weight of what counts, 0 without weight. None: nothing counts."""
+    counted = [(weight, value) for weight, value in weighted if value is not None]
+    whole = sum(weight for weight, _ in counted)
+    mean = sum(weight * value for weight, value in counted) / whole if whole else 0.0
+    return mean if counted else None
 
 
 def _verdict(
@@ -223,12 +215,15 @@ def _broken(trajectory: Trajectory) -> Iterator[str]:
 
 def first_for(holds: Rows, seconds: float, trajectory: Trajectory) -> int | None:
     """Return the first row from which something holds for so long. None: it never does."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], holds, [False])).astype(int)))
     times = trajectory.seconds
-    for first, after in edges.reshape(-1, 2):
-        if times[after - 1] - times[first] >= seconds - 1e-9:
-            return int(first)
-    return None
+    return next(
+        (
+            first
+            for first, after in stretches(holds)
+            if times[after - 1] - times[first] >= seconds - 1e-9
+        ),
+        None,
+    )
 
 
 def _ended(trajectory: Trajectory, plan: Plan) -> str:

@@ -4,7 +4,7 @@ A measure is a function of the passage, of the rows that its rule looks at (one 
 the rule. Numbers are in the unit of the quantity where a rule names one.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Final
 
@@ -163,9 +163,7 @@ def closest_approach(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attaine
 
 def exposed(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     """Return the time [s] for which the periscope's head was out of the water."""
-    found = np.flatnonzero(shown(trajectory)[0] & rows)
-    seconds = float(found.size) * trajectory.boat.method.step
-    return Attained(seconds, int(trajectory.ticks[found[0]]) if found.size else None)
+    return _time_in(trajectory, shown(trajectory)[0] & rows)
 
 
 def exposed_raise(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
@@ -199,16 +197,15 @@ def time_to_detect(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
 
 def broaches(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     """Return how often sail or deck left the sea without a main ballast blow."""
-    found = [row for row in broach_rows(trajectory) if rows[row]]
-    return Attained(float(len(found)), int(trajectory.ticks[found[0]]) if found else None)
+    return _count_in(trajectory, rows, broach_rows(trajectory))
 
 
 def aground(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     """Return how often the boat was aground, where it was not laid down well."""
     if not trajectory.has("clearance"):
         return Attained(None, None, "there is no ground here", counts=False)
-    found = [each for each in groundings(trajectory) if each.at_fault and rows[each.row]]
-    return Attained(float(len(found)), int(trajectory.ticks[found[0].row]) if found else None)
+    at_fault = (each.row for each in groundings(trajectory) if each.at_fault)
+    return _count_in(trajectory, rows, at_fault)
 
 
 def beyond_limits(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
@@ -216,9 +213,7 @@ def beyond_limits(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     beyond = (
         np.any([rows_beyond(trajectory, name) for name in limits_of(trajectory)], axis=0) & rows
     )
-    first = np.flatnonzero(beyond)
-    seconds = float(beyond.sum()) * trajectory.boat.method.step
-    return Attained(seconds, int(trajectory.ticks[first[0]]) if first.size else None)
+    return _time_in(trajectory, beyond)
 
 
 def beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
@@ -236,9 +231,7 @@ def time_beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> A
     beyond = depth_beyond(trajectory)
     if beyond is None:
         return Attained(None, None, NO_TEST_DEPTH, counts=False)
-    first = np.flatnonzero((beyond > 0.0) & rows)
-    seconds = float(first.size) * trajectory.boat.method.step
-    return Attained(seconds, int(trajectory.ticks[first[0]]) if first.size else None)
+    return _time_in(trajectory, (beyond > 0.0) & rows)
 
 
 def response(trajectory: Trajectory, _rows: Rows, rule: Rule) -> Attained:
@@ -326,6 +319,19 @@ def _off(trajectory: Trajectory, rows: Rows, rule: Rule) -> Numbers:
 
 def _inside(trajectory: Trajectory, rows: Rows, rule: Rule) -> Rows:
     return np.abs(_off(trajectory, rows, rule)) <= (rule.score.band or 0.0)
+
+
+def _time_in(trajectory: Trajectory, rows: Rows) -> Attained:
+    """Return the time [s] of rows, and the first of them."""
+    found = np.flatnonzero(rows)
+    seconds = float(found.size) * trajectory.boat.method.step
+    return Attained(seconds, int(trajectory.ticks[found[0]]) if found.size else None)
+
+
+def _count_in(trajectory: Trajectory, rows: Rows, events: Iterable[int]) -> Attained:
+    """Return how many events are at these rows, and the first of them."""
+    found = [row for row in events if rows[row]]
+    return Attained(float(len(found)), int(trajectory.ticks[found[0]]) if found else None)
 
 
 def _extreme(

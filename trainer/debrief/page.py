@@ -11,7 +11,7 @@ import numpy as np
 from markupsafe import Markup
 
 from trainer import __version__
-from trainer.config.files import ConfigError, json_text
+from trainer.config.files import ConfigError, json_text, write_over
 from trainer.core.kernel import Numbers
 from trainer.debrief import sections
 from trainer.debrief.changes import change_of, read_changes, without, write_changes
@@ -24,7 +24,7 @@ from trainer.debrief.charts import (
 )
 from trainer.debrief.data import DebriefData, compared, figures, find_branch, gather
 from trainer.debrief.episodes import ShipWay, meet, place_of_ship, ways_of_ships
-from trainer.io.atomic_write import write_whole
+from trainer.debrief.trajectory import stretches
 from trainer.io.lines import plain
 from trainer.report.html import charts, page, paragraph, print_pdf, section
 from trainer.report.svg import (
@@ -131,7 +131,8 @@ def debrief_file(
     Asked for neither, it goes beside the recording as HTML. ConfigError on what is wrong.
     """
     for wanted in filter(None, (html, pdf)):
-        _refuse_recording(path, wanted)
+        if wanted.exists() and path.exists() and wanted.samefile(path):
+            raise ConfigError(f"{wanted} is the recording itself: give another name")
     if html is None and pdf is None and not as_json:
         html = beside(path, asked.branch)
         _refuse_other(html)
@@ -142,10 +143,13 @@ def debrief_file(
         click.echo(f"trainer: {path}: {each}", err=True)
     written = []
     if html is not None:
-        _write(html, text)
+        write_over(html, text)
         written.append(html)
     if pdf is not None:
-        _print(text, pdf)
+        with tempfile.TemporaryDirectory() as folder:
+            printed = Path(folder) / "debrief.html"
+            write_over(printed, text)
+            print_pdf(printed, pdf)
         written.append(pdf)
     if as_json:
         click.echo(json_text(figures(debrief), indent=1))
@@ -184,12 +188,6 @@ def change_marks(path: Path, asked: Asked, texts: Sequence[str], back: Sequence[
     write_changes(path, [*changes, *(change_of(text, branch, plan) for text in texts)])
 
 
-def _refuse_recording(path: Path, wanted: Path) -> None:
-    """Refuse to write over the recording."""
-    if wanted.exists() and path.exists() and wanted.samefile(path):
-        raise ConfigError(f"{wanted} is the recording itself: give another name")
-
-
 def _refuse_other(html: Path) -> None:
     """Refuse to replace, without being told to, what is no debrief."""
     if not html.exists():
@@ -201,20 +199,6 @@ def _refuse_other(html: Path) -> None:
         ours = False
     if not ours:
         raise ConfigError(f"{html} is there and is no debrief: say --html FILE")
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        write_whole(path, text)
-    except OSError as error:
-        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
-
-
-def _print(text: str, pdf: Path) -> None:
-    with tempfile.TemporaryDirectory() as folder:
-        html = Path(folder) / "debrief.html"
-        _write(html, text)
-        print_pdf(html, pdf)
 
 
 # The track from above: the boat's, the reference crew's, those of the ships that were met
@@ -277,8 +261,7 @@ def _ship(ship: ShipWay, axes: tuple[Axis, Axis], step: float) -> Iterator[str]:
     across, up = axes
     x, y = across.places(ship.east), up.places(ship.north)
     inside = (x > SIDE) & (x < WIDTH - SIDE) & (y > ABOVE) & (y < TALL - BELOW)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], inside, [False])).astype(int)))
-    for first, after in edges.reshape(-1, 2):
+    for first, after in stretches(inside):
         yield _path("ship", x[first:after], y[first:after])
     if not inside.any():
         return

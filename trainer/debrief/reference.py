@@ -18,8 +18,8 @@ from trainer.core.kernel import Numbers
 from trainer.debrief.episodes import INSTRUCTOR, KEPT, crew_orders, first_spell
 from trainer.debrief.judgement import judge, share_of, widened, worth
 from trainer.debrief.rehearsal import Departure, Rehearsal, fly, last_tick
-from trainer.debrief.scoring import Scorecard, Scored
-from trainer.debrief.trajectory import Rows, Trajectory
+from trainer.debrief.scoring import Scorecard, Scored, looked_at
+from trainer.debrief.trajectory import Rows, Trajectory, stretches
 from trainer.session.plan import Plan
 
 LONGEST: Final = 400_000  # [ticks] of an exercise that is flown for a debrief
@@ -54,14 +54,6 @@ class Fault:
     score: str  # the task's name
     quantity: str  # "" for an answer that did not come in time
     told: str
-
-
-@dataclass(frozen=True)
-class Band:
-    """The allowance of a task for the reference run."""
-
-    early: float  # [s] earlier and later
-    off: float  # [of the quantity's unit] either way
 
 
 def can_fly(plan: Plan) -> bool:
@@ -188,35 +180,35 @@ def _departure(
     if rule.measured is None or not trajectory.has(rule.measured.name):
         return None
     rows = looked_at(trajectory, rule)
+    if rows is None:
+        return None
     if rule.score.measure in EXTREMES and mine.attained.tick is not None:
         rows &= trajectory.ticks <= mine.attained.tick
     if not rows.any():
         return None
-    band = band_of(rule, best)
-    low, high = limits_about(reference, trajectory, rule, band)
+    low, high = limits_about(reference, trajectory, rule, best)
     value = trajectory.measured(rule.measured)
     outside = rows & ~_within(value, low, high, rule) & ~_better(value, low, high, rule)
-    row = _for_good(outside, rows, trajectory)
+    last, seconds = int(np.flatnonzero(rows)[-1]), trajectory.seconds
+    row = next(
+        (
+            first
+            for first, after in stretches(outside)
+            if after > last or seconds[after - 1] - seconds[first] >= FOR_GOOD
+        ),
+        None,
+    )
     if row is None:
         return None
     told = _told(rule, float(value[row]), (float(low[row]), float(high[row])))
     return Fault(int(trajectory.ticks[row]), rule.score.name, rule.measured.name, told)
 
 
-def looked_at(trajectory: Trajectory, rule: Rule) -> Rows:
-    """Return the ticks that a rule looks at, whatever its conditions."""
-    begin, end = rule.score.from_s, rule.score.to_s
-    if rule.since is not None:
-        episode = first_spell(trajectory, rule.since)
-        if episode is None:
-            return np.zeros(trajectory.ticks.size, bool)
-        onset = episode.begun * trajectory.boat.method.step
-        begin, end = onset + (begin or 0.0), None if end is None else onset + end
-    return trajectory.between(begin, end)
+def band_of(rule: Rule, best: Scored) -> tuple[float, float]:
+    """Return what a task allows: so early or late [s], and so far off.
 
-
-def band_of(rule: Rule, best: Scored) -> Band:
-    """Return what a task allows: its band, and what full marks leave beyond the reference's."""
+    That is its band in the quantity's unit, and what full marks leave beyond the reference's.
+    """
     score, measured = rule.score, rule.measured
     assert measured  # noqa: S101 (asked for by who calls)
     allowed = 0.0 if best.attained.value is None else abs(score.full - best.attained.value)
@@ -224,20 +216,20 @@ def band_of(rule: Rule, best: Scored) -> Band:
     usual = 0.25 * abs(score.zero - score.full) if usual is None else usual / measured.size
     off = usual if score.band is None else score.band
     if score.measure in TIMED:
-        return Band(max(allowed, LEEWAY), off)
-    return Band(LEEWAY, off + (allowed if score.measure in EXTREMES else 0.0))
+        return max(allowed, LEEWAY), off
+    return LEEWAY, off + (allowed if score.measure in EXTREMES else 0.0)
 
 
 def limits_about(
-    reference: Trajectory, trajectory: Trajectory, rule: Rule, band: Band
+    reference: Trajectory, trajectory: Trajectory, rule: Rule, best: Scored
 ) -> tuple[Numbers, Numbers]:
     """Return the least and the greatest value within the band, at each tick."""
     assert rule.measured  # noqa: S101
-    values = reference.measured(rule.measured)
-    most = min(round(band.early / reference.boat.method.step), values.size)
+    values, (early, off) = reference.measured(rule.measured), band_of(rule, best)
+    most = min(round(early / reference.boat.method.step), values.size)
     rows = np.minimum(np.searchsorted(reference.ticks, trajectory.ticks), values.size - 1)
     low, high = (extremes(values, most, choose)[rows] for choose in (np.minimum, np.maximum))
-    return low - band.off, high + band.off
+    return low - off, high + off
 
 
 def extremes(values: Numbers, most: int, choose: Callable[..., Numbers]) -> Numbers:
@@ -272,17 +264,6 @@ def _better(value: Numbers, low: Numbers, high: Numbers, rule: Rule) -> Rows:
     if score.measure in ("highest", "lowest") and score.target is None:
         return value < low if score.full < score.zero else value > high
     return np.zeros(value.size, bool)
-
-
-def _for_good(outside: Rows, rows: Rows, trajectory: Trajectory) -> int | None:
-    """Return the first row from which a run stays outside, None if it never does."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], outside, [False])).astype(int)))
-    last = int(np.flatnonzero(rows)[-1])
-    for first, after in edges.reshape(-1, 2):
-        lasted = trajectory.seconds[after - 1] - trajectory.seconds[first]
-        if lasted >= FOR_GOOD or after > last:
-            return int(first)
-    return None
 
 
 def _told(rule: Rule, value: float, limits: tuple[float, float]) -> str:

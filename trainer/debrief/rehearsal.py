@@ -4,7 +4,7 @@ From its start, or from a recorded moment that the reference crew takes over at.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -35,10 +35,13 @@ class Rehearsal:
 
     plan: Plan
     trajectory: Trajectory
-    refused: tuple[Journalled, ...]  # orders
-    rules_given: frozenset[int]  # of the reference crew, by their places in the file
     lost: str  # why it ended before its time, "" if it did not
-    times: Mapping[int, float]  # [s] when each rule was last carried out, by its place
+    times: Mapping[int, float]  # [s] when each of the crew's rules was last carried out, by place
+
+    @property
+    def refused(self) -> tuple[Journalled, ...]:
+        """Return the orders that the boat refused."""
+        return tuple(each for each in self.trajectory.orders if each.accepted is False)
 
 
 @dataclass(frozen=True)
@@ -73,10 +76,11 @@ def fly(
         aboard.take_over(since.given)
     rows, lost, watch = [numbers[PLACED]], "", EncounterMonitor.over(boat)
     with np.errstate(all="ignore"):
-        for tick in range(first, last_tick(plan)):
-            while place < len(plan.schedule) and due(plan, place) <= tick:
-                journal.obey_schedule(plan, place)
-                place += 1
+        for places in due_orders(plan, first, place):
+            for entry in places:
+                order = plan.schedule[entry].order
+                if order.name in BOAT_ORDERS:  # what is said to people moves nothing
+                    journal.write(SCHEDULE, order.text, obey(boat, order), entry)
             if aboard is not None:
                 journal.note(aboard.look())
             status = boat.tick()
@@ -86,20 +90,17 @@ def fly(
             if lost:
                 break
     columns = np.array(rows).T
-    entries = tuple(journal.entries)
     trajectory = Trajectory(
         boat=boat,
         limits=plan.limits,
-        orders=entries,
+        orders=tuple(journal.entries),
         ticks=np.arange(first, first + len(rows), dtype=np.int64),
         columns=dict(zip(COLUMNS, columns, strict=True)),
         lateness=np.full(len(rows), np.nan),
         work=np.full(len(rows), np.nan),
         marks=tuple(journal.marks),
     )
-    refused = tuple(each for each in entries if each.accepted is False)
-    times = dict(journal.rules)
-    return Rehearsal(plan, trajectory, refused, frozenset(times), lost, times)
+    return Rehearsal(plan, trajectory, lost, dict(journal.rules))
 
 
 def last_tick(plan: Plan) -> int:
@@ -107,9 +108,19 @@ def last_tick(plan: Plan) -> int:
     return round((plan.duration or 0.0) / plan.method.step)
 
 
-def due(plan: Plan, place: int) -> int:
-    """Return the first tick not before the time of a scheduled order."""
-    return math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9)
+def due_orders(plan: Plan, first: int = 0, place: int = 0) -> Iterator[range]:
+    """Yield for each tick of a plan the places of the orders due.
+
+    An order is due in the first tick not before its time. It begins at a tick, and at a place.
+    """
+    for tick in range(first, last_tick(plan)):
+        begin = place
+        while (
+            place < len(plan.schedule)
+            and math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9) <= tick
+        ):
+            place += 1
+        yield range(begin, place)
 
 
 class Journal:
@@ -122,12 +133,6 @@ class Journal:
         self.marks: list[Noted] = []
         self.rules: dict[int, float] = {}  # [s] when each was last carried out
 
-    def obey_schedule(self, plan: Plan, place: int) -> None:
-        """Carry out a scheduled order; what is said to people moves nothing."""
-        order = plan.schedule[place].order
-        if order.name in BOAT_ORDERS:
-            self._write(SCHEDULE, order.text, obey(self.boat, order), place)
-
     def note(self, given: list[Given]) -> None:
         """Note what the crew has ordered and marked."""
         for each in given:
@@ -138,9 +143,10 @@ class Journal:
                 noted = Noted(1, self.boat.ticks, MARK, LOOKOUT, order.subject, "")
                 self.marks.append(noted)
             else:
-                self._write(CREW, each.text, each.reply, None)
+                self.write(CREW, each.text, each.reply, None)
 
-    def _write(self, who: str, text: str, reply: Reply, place: int | None) -> None:
+    def write(self, who: str, text: str, reply: Reply, place: int | None) -> None:
+        """Write an order down with its reply."""
         refused = isinstance(reply, Refused)
         answer = reply.reason if isinstance(reply, Refused) else reply
         number = len(self.entries) + 1

@@ -12,30 +12,8 @@ from trainer.debrief.episodes import first_spell
 from trainer.debrief.measures import Attained
 from trainer.debrief.trajectory import Rows, Trajectory, lacks
 
-TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {
-    "overshoot": measures.overshoot,
-    "time-to": measures.time_to,
-    "reach": measures.reach,
-    "settled": measures.settled,
-    "final": measures.final,
-    "rms": measures.rms,
-    "in-band": measures.in_band,
-    "highest": measures.highest,
-    "lowest": measures.lowest,
-    "largest": measures.largest,
-    "activity": measures.activity,
-    "distance": measures.distance,
-    "closest-approach": measures.closest_approach,
-    "exposed": measures.exposed,
-    "exposed-raise": measures.exposed_raise,
-    "time-to-detect": measures.time_to_detect,
-    "broaches": measures.broaches,
-    "aground": measures.aground,
-    "beyond-limits": measures.beyond_limits,
-    "beyond-test-depth": measures.beyond_test_depth,
-    "time-beyond-test-depth": measures.time_beyond_test_depth,
-    "response": measures.response,
-    "reserve-air": measures.reserve_air,
+TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {  # by their names
+    name: getattr(measures, name.replace("-", "_")) for name in MEASURES
 }
 WHOLE: Final = {"activity": "stern and bow planes", "reserve-air": "all banks"}  # no quantity named
 
@@ -141,31 +119,39 @@ class Scorecard:
 
 def score(trajectory: Trajectory, rules: tuple[Rule, ...]) -> Scorecard:
     """Return how each rule was met, and the marks of all, each by its weight."""
-    scores = tuple(_score_rule(trajectory, rule) for rule in rules)
+    scores = []
+    for rule in rules:
+        attained = attain(trajectory, rule)
+        marks = marks_of(rule, attained.value) if attained.counts else None
+        scores.append(Scored(rule, attained, unit_of(rule), formula_of(rule), marks))
     counted = [each for each in scores if each.marks is not None]
     weight = sum(each.rule.weight for each in counted)
     earned = sum(each.rule.weight * (each.marks or 0.0) for each in counted)
-    return Scorecard(scores, earned / weight if weight else None)
+    return Scorecard(tuple(scores), earned / weight if weight else None)
 
 
-def _score_rule(trajectory: Trajectory, rule: Rule) -> Scored:
-    attained = attain(trajectory, rule)
-    marks = marks_of(rule, attained.value) if attained.counts else None
-    return Scored(rule, attained, unit_of(rule), formula_of(rule), marks)
+def looked_at(trajectory: Trajectory, rule: Rule) -> Rows | None:
+    """Return the ticks that a rule looks at, whatever its conditions.
+
+    None: what they count from did not happen.
+    """
+    begin, end = rule.score.from_s, rule.score.to_s
+    if rule.since is not None:
+        episode = first_spell(trajectory, rule.since)
+        if episode is None:
+            return None
+        onset = episode.begun * trajectory.boat.method.step
+        begin, end = onset + (begin or 0.0), None if end is None else onset + end
+    return trajectory.between(begin, end)
 
 
 def attain(trajectory: Trajectory, rule: Rule) -> Attained:
     """Return what the measure of a rule has come to in a passage."""
     if lacking := lacks(trajectory.boat, rule):
         return Attained(None, None, f"this boat has no {lacking[0]}", counts=False)
-    begin, end = rule.score.from_s, rule.score.to_s
-    if rule.since is not None:
-        episode = first_spell(trajectory, rule.since)
-        if episode is None:
-            return Attained(None, None, "it did not happen", counts=False)
-        onset = episode.begun * trajectory.boat.method.step
-        begin, end = onset + (begin or 0.0), None if end is None else onset + end
-    rows = trajectory.between(begin, end)
+    rows = looked_at(trajectory, rule)
+    if rows is None:
+        return Attained(None, None, "it did not happen", counts=False)
     if not np.any(rows):
         told = f"the record ends at {trajectory.seconds[-1]:g} s"
         return Attained(None, None, told, counts=False)

@@ -51,22 +51,16 @@ def verdict(debrief: DebriefData) -> Markup:
 
 def _outcome(debrief: DebriefData) -> Iterator[Markup]:
     """Yield the outcome with its reason, and the marks."""
-    verdict, total = debrief.final.verdict, debrief.total
-    marks = Markup("<b>{:.0f}</b> of 100 marks{}").format(total or 0.0, _sureness(debrief))
+    verdict, total, deviation = debrief.final.verdict, debrief.total, deviation_of(debrief)
+    sure = f", \N{PLUS-MINUS SIGN}{deviation:.0f} by the sea alone" if deviation else ""
+    sure = sure if deviation and deviation >= TOLD_FROM else ""
+    marks = Markup("<b>{:.0f}</b> of 100 marks{}").format(total or 0.0, sure)
     if total is None:
         marks = Markup("no marks")
     outcome = Markup("<b>{}</b>, ").format(verdict.outcome.capitalize()) if verdict else ""
     yield Markup('<p class="total">{}{}</p>').format(outcome, marks)
     if verdict is not None and verdict.reason:
         yield paragraph(f"{verdict.reason[0].upper()}{verdict.reason[1:]}.")
-
-
-def _sureness(debrief: DebriefData) -> str:
-    """Return how far a mark moves by the sea alone, "" where it does not or nobody knows."""
-    deviation = deviation_of(debrief)
-    if deviation is None or deviation < TOLD_FROM:
-        return ""
-    return f", \N{PLUS-MINUS SIGN}{deviation:.0f} by the sea alone"
 
 
 def _beside_marks(debrief: DebriefData) -> Iterator[str]:
@@ -85,8 +79,9 @@ def _beside_marks(debrief: DebriefData) -> Iterator[str]:
         yield f"{counted} of {len(card.scores)} rules count."
     if (deviation := deviation_of(debrief)) and deviation >= TOLD_FROM:
         yield f"Two runs differ for sure only beyond {SURE * deviation:.0f} marks."
-    if lacking := _unflown(debrief):
-        yield lacking
+    flown, planned = float(debrief.trajectory.seconds[-1]), debrief.plan.duration
+    if planned is not None and flown < planned - debrief.step:
+        yield f"The record ends at {clock(flown)}; the exercise lasts {clock(planned)}."
 
 
 TOLD_FROM: Final = 0.5  # [%] of a deviation
@@ -126,14 +121,6 @@ def made_of(verdict: Verdict) -> str:
     return f"{told}; total = tasks \N{MULTIPLICATION SIGN} (0.7 + 0.3 keeping / 100)."
 
 
-def _unflown(debrief: DebriefData) -> str:
-    """Return that the record ends before the exercise, '' if it does not."""
-    flown, planned = float(debrief.trajectory.seconds[-1]), debrief.plan.duration
-    if planned is None or flown >= planned - debrief.step:
-        return ""
-    return f"The record ends at {clock(flown)}; the exercise lasts {clock(planned)}."
-
-
 def moment(debrief: DebriefData) -> Markup:
     """Return the moment at which the run went wrong, with a link into the charts."""
     found = debrief.compared
@@ -164,18 +151,13 @@ def cost(debrief: DebriefData) -> Markup:
         return paragraph("A free run has no marks.")
     items = Markup().join(Markup("<li>{}</li>").format(each.told) for each in debrief.costs)
     lines = [Markup("<ol>{}</ol>").format(items) if items else paragraph("Nothing.")]
-    if debrief.compared is not None:
-        lines.append(paragraph(_reference_words(debrief.compared)))
+    if (found := debrief.compared) is not None:
+        told = f"The reference crew at this seed: {said_card(found.reference.card)}."
+        if found.from_here is not None:
+            since = clock(found.from_here.since or 0.0)
+            told += f" Taking over at {since}: {said_card(found.from_here.card)}."
+        lines.append(paragraph(told))
     return Markup().join(lines)
-
-
-def _reference_words(found: Compared) -> str:
-    """Return what the reference crew has, from the start and from where it took over."""
-    told = f"The reference crew at this seed: {said_card(found.reference.card)}."
-    if found.from_here is not None:
-        since = clock(found.from_here.since or 0.0)
-        told += f" Taking over at {since}: {said_card(found.from_here.card)}."
-    return told
 
 
 def changes(debrief: DebriefData) -> Markup:
@@ -231,7 +213,8 @@ def _read_back(debrief: DebriefData, i: int, each: ReadBack) -> tuple[str, ...]:
 
 def scores(debrief: DebriefData) -> Markup:
     """Return the table of the scores."""
-    best = _of_reference(debrief)
+    cards = [debrief.compared.reference.card] if debrief.compared else []
+    best = {each.name: each for card in cards for each in card.scores}
     judged = debrief.card.verdict is not None
     headings = [
         *("", "measure", "value", *(("reference",) if best else ()), "full at", "none at", "marks"),
@@ -240,12 +223,6 @@ def scores(debrief: DebriefData) -> Markup:
     ]
     rows = (_score(debrief, i, each, best) for i, each in enumerate(debrief.card.scores, start=1))
     return table(headings, rows, "scores")
-
-
-def _of_reference(debrief: DebriefData) -> dict[str, Scored]:
-    """Return the reference crew's scores by name, none without such a crew."""
-    found = debrief.compared
-    return {each.name: each for each in found.reference.card.scores} if found else {}
 
 
 def _score(debrief: DebriefData, i: int, each: Scored, best: dict[str, Scored]) -> tuple[str, ...]:
@@ -257,9 +234,8 @@ def _score(debrief: DebriefData, i: int, each: Scored, best: dict[str, Scored]) 
         marks = bar.format(each.marks)
     earned: tuple[str, ...] = ()
     if debrief.card.verdict is not None:
-        part = f"{each.rule.part} " if each.earned is None else ""
         nobody = "-" if each.nobody is None else f"{each.nobody:.0f}"
-        earned = (nobody, f"{part}{_whole(each.earned)}")
+        earned = (nobody, f"{each.rule.part} " if each.earned is None else f"{each.earned:.0f}")
     beside = (value_of(best[each.name]) if each.name in best else "-",) if best else ()
     return (
         *(f"S{i}", each.name, value, *beside, number(score.full), number(score.zero), marks),
@@ -275,22 +251,10 @@ def value_of(each: Scored) -> str:
     return "-" if value is None else number(value) + unit
 
 
-def _whole(marks: float | None) -> str:
-    return "" if marks is None else f"{marks:.0f}"
-
-
 def casualties(debrief: DebriefData) -> Markup:
     """Return the table of the casualties and of what was done about them."""
-    headings = (
-        "",
-        "casualty",
-        "began",
-        "gone",
-        "first order",
-        "after",
-        "first deflection",
-        "after",
-    )
+    first = ("first order", "after", "first deflection", "after")
+    headings = ("", "casualty", "began", "gone", *first)
     rows = (_casualty(debrief, i, each) for i, each in enumerate(debrief.casualties, start=1))
     return table(headings, rows, "")
 
@@ -325,7 +289,8 @@ def ships(debrief: DebriefData) -> Markup:
         f"Collision with {name} at {clock(tick * debrief.step)}." for tick, name in met.collisions
     ]
     if looked.false:
-        told.append(f"Marked where no ship was seen: {_clocks(debrief, looked.false)}.")
+        when = ", ".join(clock(tick * debrief.step) for tick in looked.false)
+        told.append(f"Marked where no ship was seen: {when}.")
     headings = ("ship", "closest approach", "when", "in sight from", "marked", "after")
     return Markup().join(map(paragraph, told)) + table(headings, rows, "")
 
@@ -342,10 +307,6 @@ def _detected(debrief: DebriefData, found: Detection | None) -> tuple[str, str, 
     return place(debrief, found.seen), place(debrief, found.marked), after
 
 
-def _clocks(debrief: DebriefData, ticks: tuple[int, ...]) -> str:
-    return ", ".join(clock(tick * debrief.step) for tick in ticks)
-
-
 def marks(debrief: DebriefData) -> Markup:
     """Return the table of the marks with their remarks."""
     every = debrief.of_kind("mark")
@@ -359,11 +320,7 @@ def marks(debrief: DebriefData) -> Markup:
 def hands(debrief: DebriefData) -> Markup:
     """Return the table of who gave orders."""
     rows = (
-        (
-            "the exercise" if each.who == SCHEDULE else (each.who),
-            str(each.orders),
-            str(each.refused),
-        )
+        ("the exercise" if each.who == SCHEDULE else each.who, str(each.orders), str(each.refused))
         for each in debrief.hands
     )
     return table(("line", "orders", "refused"), rows, "")
@@ -385,10 +342,13 @@ def _entries(debrief: DebriefData) -> Iterator[tuple[int, str, str, str]]:
         answer: str = last.answer
         if last.accepted is False:
             answer = Markup("<strong>refused:</strong> {}").format(last.answer)
-        yield first.tick, first.who, _joined(presses), answer
+        words = last.text
+        if len(presses) > 1:
+            more = Markup("{} <small>after {} more</small>")
+            words = more.format(last.text, len(presses) - 1)
+        yield first.tick, first.who, words, answer
     for event in debrief.events:
-        words = PLACED.sub("", event.text)
-        yield event.tick, (event.who or event.kind), (words), ""
+        yield event.tick, event.who or event.kind, PLACED.sub("", event.text), ""
 
 
 def pressed_together(orders: Iterable[Journalled], step: float) -> list[list[Journalled]]:
@@ -400,7 +360,8 @@ def pressed_together(orders: Iterable[Journalled], step: float) -> list[list[Jou
     groups: list[list[Journalled]] = []
     last_of: dict[tuple[str, str], list[Journalled]] = {}  # the group that a key's next may join
     for order in orders:
-        key = order.who, kind_of(order.text)
+        known = parse(order.text)
+        key = order.who, known.name if isinstance(known, Order) else order.text
         group = last_of.get(key)
         near = group and (order.tick - group[-1].tick) * step <= JOINED_WITHIN_S
         if group and near and order.accepted and group[-1].accepted:
@@ -409,19 +370,6 @@ def pressed_together(orders: Iterable[Journalled], step: float) -> list[list[Jou
             last_of[key] = [order]
             groups.append(last_of[key])
     return groups
-
-
-def kind_of(text: str) -> str:
-    """Return the name of an order, its text where it is none."""
-    order = parse(text)
-    return order.name if isinstance(order, Order) else text
-
-
-def _joined(presses: list[Journalled]) -> str:
-    """Return the words of orders that were given in one go."""
-    if len(presses) == 1:
-        return presses[0].text
-    return Markup("{} <small>after {} more</small>").format(presses[-1].text, len(presses) - 1)
 
 
 def branches(debrief: DebriefData) -> Markup:

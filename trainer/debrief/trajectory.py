@@ -1,7 +1,7 @@
 """A passage is one branch of a recording with its past, as arrays by tick."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Final
@@ -121,6 +121,12 @@ class Trajectory:
     def row(self, tick: int) -> int:
         """Return the row of a tick, or of the first one after it."""
         return min(int(np.searchsorted(self.ticks, tick)), self.ticks.size - 1)
+
+
+def stretches(rows: Rows) -> Iterator[tuple[int, int]]:
+    """Yield each stretch of rows: its first one, and the one after it."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], rows, [False])).astype(int)))
+    yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
 
 def heaviness(trajectory: Trajectory) -> Numbers:

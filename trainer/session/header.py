@@ -4,7 +4,8 @@ What a header holds, a text each: ``plan``, the form of the header; ``trainer``,
 ``python``, ``numpy``, ``numba`` and ``machine``, what computed it; ``started``, when; and as JSON
 ``options``, those of the command line that a plan depends on; ``texts``, every file read, by its
 key; ``method``; ``layout``, the name of each number of a state; ``vessel``, its key, and ``seed``.
-Some have ``width``, by which it is judged, and ``trainees``, names as JSON.
+Some have ``width``, by which it is judged, and ``trainees``, names as JSON; ``nomoto`` is the form
+of the equation by which Nomoto ships went, the first where there is none.
 """
 
 import json
@@ -23,6 +24,7 @@ from typing import Any, Final
 from trainer import __version__
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.config import nomoto
 from trainer.config.baseline import BASELINE
 from trainer.config.files import (
     ABANDONED,
@@ -66,6 +68,8 @@ PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
     "seed": lambda found: isinstance(found, int),
 }
 TRAINEES: Final = "trainees"
+# form 1 differentiated a rudder that stood still within each step
+NOMOTO_FORM: Final = "2"
 LONGEST_NAME: Final = 60  # [characters]
 # a key of exercises that came later, and changes nothing of how the boat is flown
 FLIES_NOTHING: Final = re.compile(r"^visitors[ \t]*=.*\n", re.MULTILINE)
@@ -115,6 +119,7 @@ def header_of(options: RunOptions, texts: Mapping[str, str], boat: Boat) -> dict
         "vessel": json.dumps(key_of(boat.file.path)),
         "seed": json.dumps(int(boat.state.seed)),
         "width": options.width,
+        "nomoto": NOMOTO_FORM,
         **({TRAINEES: json.dumps(names_of(options.trainee))} if options.trainee else {}),
     }
 
@@ -237,6 +242,10 @@ def _other_program(header: Mapping[str, str]) -> Iterator[str]:
         yield f"trainer {__version__}, recorded {header.get('trainer', 'none')}"
     if not same_core(header.get("core")):
         yield f"core {core_digest()}, recorded {header.get('core', 'none')}: other equations"
+    form = header.get("nomoto", "1")
+    texts = _part(header, "texts").values()
+    if form != NOMOTO_FORM and any(nomoto.SCHEMA in text for text in texts):
+        yield f"Nomoto ships of form {NOMOTO_FORM}, recorded {form}: they go by other steps"
     layout = layout_of(header)
     if layout != LAYOUT:
         new = [name for name in LAYOUT if name not in layout]

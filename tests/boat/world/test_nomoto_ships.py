@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from trainer.analysis.manoeuvres.nomoto_ship import NomotoShip
 from trainer.boat.world.contacts import contacts_of
 from trainer.boat.world.steered import Course, Steered, SteeredNomoto
 from trainer.config.contacts import read_contacts
@@ -59,6 +60,31 @@ def test_a_rudder_gives_the_same_circle_at_half_the_speed() -> None:
         for speed, time in ((15.0 * KNOT, 700.0), (7.5 * KNOT, 1400.0))
     ]
     assert circles[0] == pytest.approx(circles[1], rel=1e-3)
+
+
+def test_a_turn_does_not_depend_on_the_step() -> None:
+    """A rudder that is held still within each step would come half a step late."""
+    file, speed = ship(rudder_limit_deg=10.0), 15.0 * KNOT
+    start = Course(0.0, 0.0, 0.0, speed, 0.0, 0.0, 0.0)
+    headings = [
+        math.degrees(Steered(SteeredNomoto(file), step, 0.0, start, 3.0, speed).at(40.0).course)
+        for step in (STEP, STEP / 32)
+    ]
+    assert headings[0] == pytest.approx(headings[1], abs=0.02)
+
+
+def test_a_nomoto_ship_that_is_met_turns_as_one_in_a_manoeuvre() -> None:
+    met = steered(15.0 * KNOT, 3.0, ship(rudder_limit_deg=5.0))
+    flown = NomotoShip(ship(rudder_limit_deg=5.0))
+    flown.start(15.0 * KNOT)
+    flown.order("rudder", math.radians(5.0))
+    for tick in range(1, 121):
+        flown.advance()
+        now = met.at(tick * STEP)
+        there = dict(zip(flown.columns, flown.observe(), strict=True))
+        assert (now.course, now.turning, now.rudder) == pytest.approx(
+            (there["psi"], there["r"], there["delta_r"]), rel=1e-12
+        )
 
 
 def test_the_numbers_are_the_same_in_whatever_order_they_are_asked_for() -> None:

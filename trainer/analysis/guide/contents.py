@@ -107,20 +107,15 @@ class GuideContents:
 
 def tasks(file: VesselFile, legs: Sequence[Leg]) -> tuple[Task, ...]:
     """Return every flight that a guide of these legs needs, each once."""
-    return tuple(dict.fromkeys(_tasks(file, legs)))
-
-
-def _tasks(file: VesselFile, legs: Sequence[Leg]) -> Iterator[Task]:
-    """Yield the flights of all parts."""
-    for leg in legs:
-        for equations in SETS:
-            yield leg.task(file, equations)
-    yield from findings.step_tasks(file)
-    yield from findings.tasks(file)
-    yield from verdicts.drop_tasks(file)
     path = trials_path(file)
-    for trial in load_published(path)[0] if path else ():
-        yield trial.task(file)
+    found = (
+        *(leg.task(file, equations) for leg in legs for equations in SETS),
+        *findings.step_tasks(file),
+        *findings.tasks(file),
+        *verdicts.drop_tasks(file),
+        *(trial.task(file) for trial in (load_published(path)[0] if path else ())),
+    )
+    return tuple(dict.fromkeys(found))
 
 
 def write(
@@ -135,15 +130,25 @@ def assemble(file: VesselFile, legs: Sequence[Leg], made: str, flown: Flown) -> 
     """Return the guide from its flights."""
     sheets = tuple(_sheet(file, leg, flown) for leg in legs)
     stepped = findings.step_study(file, flown)
-    path = trials_path(file)
+    checksums = {file.path.name: hashlib.sha256(file.text.encode()).hexdigest()}
+    if path := trials_path(file):
+        checksums[f"{path.stem} (published results)"] = hashlib.sha256(
+            path.read_bytes()
+        ).hexdigest()
     trials, waves = load_published(path) if path else ((), ())
     speeds = round_speeds(*file.run.speed_range_kn)
     guide = Guide(
         vessel=file.name,
         made=made,
         step_s=file.run.step_s,
-        versions=_versions(),
-        checksums=_checksums(file),
+        versions={
+            "trainer": __version__,
+            "core": core_digest(),
+            "python": sys.version.split()[0],
+            **{name: metadata.version(name) for name in LIBRARIES},
+            "machine": platform.machine(),
+        },
+        checksums=checksums,
         sheets=sheets,
         findings=findings.study(file, flown, stepped),
         steps=stepped,
@@ -169,26 +174,6 @@ def _sheet(file: VesselFile, leg: Leg, flown: Flown) -> Sheet:
             judgements[equations] = judge(leg.manoeuvre, full, other)
     problems = {each: flight for each, flight in flights.items() if isinstance(flight, str)}
     return Sheet(leg.title, leg.name, parameters(leg.manoeuvre), problems, judgements)
-
-
-def _versions() -> dict[str, str]:
-    """Return what the guide was made with."""
-    return {
-        "trainer": __version__,
-        "core": core_digest(),
-        "python": sys.version.split()[0],
-        **{name: metadata.version(name) for name in LIBRARIES},
-        "machine": platform.machine(),
-    }
-
-
-def _checksums(file: VesselFile) -> dict[str, str]:
-    """Return the checksums of vessel file and published results, by file name."""
-    found = {file.path.name: hashlib.sha256(file.text.encode()).hexdigest()}
-    path = trials_path(file)
-    if path:
-        found[f"{path.stem} (published results)"] = hashlib.sha256(path.read_bytes()).hexdigest()
-    return found
 
 
 def tally(guide: Guide, equations: str) -> dict[str, Any]:
@@ -243,7 +228,7 @@ def load_earlier(path: Path, vessel: str) -> Mapping[str, Any]:
         written = embedded[1].replace("<\\/", "</") if embedded else text
         guide = json.loads(written, parse_constant=no_constant)
         name = guide["vessel"]
-        leaves(guide)
+        dict(leaves(guide))
     except (ValueError, KeyError, TypeError, AttributeError):
         raise ConfigError(
             f"--baseline {path}: is no guide; give the file of --json or of --html"
@@ -253,13 +238,8 @@ def load_earlier(path: Path, vessel: str) -> Mapping[str, Any]:
     return guide  # type: ignore[no-any-return]
 
 
-def leaves(guide: Mapping[str, Any]) -> dict[str, float | str | None]:
-    """Return every number and verdict of a guide by what it is called."""
-    return dict(_leaves(guide))
-
-
-def _leaves(guide: Mapping[str, Any]) -> Iterator[tuple[str, float | str | None]]:
-    """Yield names and values."""
+def leaves(guide: Mapping[str, Any]) -> Iterator[tuple[str, float | str | None]]:
+    """Yield every number and verdict of a guide with what it is called."""
     for sheet in guide["sheets"]:
         for equations, rows in sheet["judgements"].items():
             for row in rows:
@@ -285,7 +265,7 @@ def _leaves(guide: Mapping[str, Any]) -> Iterator[tuple[str, float | str | None]
 
 def compare_guides(earlier: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[Moved, ...]:
     """Return what differs between two guides, the largest change first."""
-    before, after = leaves(earlier), leaves(now)
+    before, after = dict(leaves(earlier)), dict(leaves(now))
     found = [
         Moved(name, before.get(name), after.get(name))
         for name in dict.fromkeys([*before, *after])

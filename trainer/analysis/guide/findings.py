@@ -100,7 +100,9 @@ def step_study(file: VesselFile, flown: Flown) -> tuple[StepRun, ...]:
             continue
         for (name, _, rates), step, task in fly_schemes(file, manoeuvre, speed):
             percent, worst = error(true, flown[task])
-            found.append(StepRun(case, name, rates, step, percent, worst, verdict(percent)))
+            verdict = "lost" if percent is None else "coarse" if percent <= BAD else "of no use"
+            verdict = "fine" if percent is not None and percent <= GOOD else verdict
+            found.append(StepRun(case, name, rates, step, percent, worst, verdict))
     return tuple(found)
 
 
@@ -129,15 +131,6 @@ def _ends(flight: Flight, name: str) -> tuple[float, float, float]:
     """Return the largest, the smallest and the last value of a column."""
     values = flight.column(name)
     return float(values.max()), float(values.min()), float(values[-1])
-
-
-def verdict(percent: float | None) -> str:
-    """Return an error [%] in words."""
-    if percent is None:
-        return "lost"
-    if percent <= GOOD:
-        return "fine"
-    return "coarse" if percent <= BAD else "of no use"
 
 
 HOLDS: Final = "holds"
@@ -169,8 +162,8 @@ class Finding:
     claim: str  # of 1969
     verdict: str
     words: str  # why, with figures
-    heads: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    heads: tuple[str, ...] = ()
+    rows: tuple[tuple[str, ...], ...] = ()
 
 
 def _standard(file: VesselFile) -> Method:
@@ -223,12 +216,14 @@ def reversal(file: VesselFile, flown: Flown) -> Finding:
     claim = "below the critical speed of EC470, planes to dive make the boat rise"
     critical = critical_speed(file, "stern")
     if critical is None:
-        return Finding(title, claim, UNTOLD, "this hull has no critical speed", (), ())
+        return Finding(title, claim, UNTOLD, "this hull has no critical speed")
     rates = {}
     for ratio in RATIOS:
         flight = flown[_offset(file, ratio * critical)]
         if not isinstance(flight, str) and not flight.lost:
-            rates[ratio * critical] = _last_rate(flight)
+            z, t = flight.column("z"), flight.t
+            begin = int((1.0 - TAIL) * (t.size - 1))
+            rates[ratio * critical] = float((z[-1] - z[begin]) / (t[-1] - t[begin]))
     rows = tuple(
         (f"{speed / KNOT:.2f}", f"{1000.0 * rate:+.1f}", "dives" if rate > 0.0 else "rises")
         for speed, rate in rates.items()
@@ -253,13 +248,6 @@ def reversal(file: VesselFile, flown: Flown) -> Finding:
     return Finding(title, claim, verdict, words, heads, rows)
 
 
-def _last_rate(flight: Flight) -> float:
-    """Return the mean depth rate [m/s] over the last part of a flight."""
-    z, t = flight.column("z"), flight.t
-    begin = int((1.0 - TAIL) * (t.size - 1))
-    return float((z[-1] - z[begin]) / (t[-1] - t[begin]))
-
-
 def depth_in_turns(file: VesselFile, flown: Flown) -> Finding:
     """Return what six coefficients do for depth in a turn."""
     title = "Depth in turns"
@@ -271,7 +259,7 @@ def depth_in_turns(file: VesselFile, flown: Flown) -> Finding:
     heads = ("without", "its value here", "largest depth change [m]", "times", "")
     if isinstance(whole, str) or whole.lost:
         words = whole if isinstance(whole, str) else whole.lost
-        return Finding(title, claim, UNTOLD, words, (), ())
+        return Finding(title, claim, UNTOLD, words)
     base = largest(whole.change("z"))
     rows = [("nothing", "", f"{base:+.2f}", "1.00", "")]
     by_effect: dict[str, list[str]] = {}
@@ -308,9 +296,9 @@ def roll_in_turns(file: VesselFile, flown: Flown) -> Finding:
     title, claim = "Roll in turns", "without K_vav the roll of a turn changes by about 70 %"
     whole, without = flown[_turn(file)], flown[_turn(file, "K_vav")]
     if not file.coefficients["K_vav"]:
-        return Finding(title, claim, UNTOLD, "this hull's data have no K_vav", (), ())
+        return Finding(title, claim, UNTOLD, "this hull's data have no K_vav")
     if isinstance(whole, str) or isinstance(without, str):
-        return Finding(title, claim, UNTOLD, "the turn cannot be flown", (), ())
+        return Finding(title, claim, UNTOLD, "the turn cannot be flown")
     before, after = largest(whole.change("phi")), largest(without.change("phi"))
     percent = 100.0 * (after - before) / abs(before)
     verdict = HOLDS if abs(percent) >= 50.0 else IN_PART if abs(percent) > 5.0 else FAILS
@@ -319,7 +307,7 @@ def roll_in_turns(file: VesselFile, flown: Flown) -> Finding:
         f"the largest roll changes by {percent:+.0f} %; K_vav is {share:.1f} times K_v here, and "
         "counts by the drift angle"
     )
-    return Finding(title, claim, verdict, words, (), ())
+    return Finding(title, claim, verdict, words)
 
 
 def nonlinear_terms(file: VesselFile, flown: Flown) -> Finding:
@@ -328,7 +316,7 @@ def nonlinear_terms(file: VesselFile, flown: Flown) -> Finding:
     claim = "without all of them pitch is off by 21 %, depth by 14 %"
     whole, without = flown[_meander(file)], flown[_meander(file, *NONLINEAR)]
     if isinstance(whole, str) or isinstance(without, str):
-        return Finding(title, claim, UNTOLD, "the meander cannot be flown", (), ())
+        return Finding(title, claim, UNTOLD, "the meander cannot be flown")
     percent = {}
     for name in ("theta", "z"):
         before, after = largest(whole.change(name)), largest(without.change(name))
@@ -340,7 +328,7 @@ def nonlinear_terms(file: VesselFile, flown: Flown) -> Finding:
         f"the meander's pitch is off by {percent['theta']:+.1f} %, its depth by "
         f"{percent['z']:+.1f} %; of these terms this hull's data have {', '.join(given) or 'none'}"
     )
-    return Finding(title, claim, verdict, words, (), ())
+    return Finding(title, claim, verdict, words)
 
 
 def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[Finding]:
@@ -352,16 +340,12 @@ def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[Finding]:
         "Euler cannot be used at twice the step that Adams is used at",
         HOLDS if euler.verdict in ("lost", "of no use") else FAILS,
         _error(euler),
-        (),
-        (),
     )
     yield Finding(
         "Adams at 0.5 s",
         "second-order Adams is fine at the boat's own step",
         HOLDS if adams.verdict == "fine" else FAILS,
         _error(adams),
-        (),
-        (),
     )
     yield _lag_costs(steps, own)
 
@@ -398,4 +382,4 @@ def _lag_costs(steps: tuple[StepRun, ...], own: float) -> Finding:
     verdict = HOLDS if whole and max(costs) <= 1.0 else FAILS
     words = "a case is lost" if not whole else f"they add at most {max(costs):.2g} % to the error"
     claim = "accelerations of the last cycle do no harm"
-    return Finding("Lagged accelerations", claim, verdict, words, (), ())
+    return Finding("Lagged accelerations", claim, verdict, words)

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import Any, Final
+from typing import Final
 
 from markupsafe import Markup
 
 from trainer.analysis.guide.contents import REDUCED, Guide, GuideContents, Moved, Sheet, tally
 from trainer.analysis.guide.programme import SETS, Leg
-from trainer.analysis.guide.summary import format_entry, word
+from trainer.analysis.guide.summary import format_entry, verdicts_of
 from trainer.analysis.guide.trials import Compared, WavesCompared
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, Judgement
 from trainer.analysis.manoeuvres.catalogue import format_parameters
@@ -65,15 +65,13 @@ def facts(guide: Guide) -> Markup:
 
 def overview(guide: Guide) -> Markup:
     """Return one line for each manoeuvre."""
-    rows: list[tuple[str | Cell, ...]] = []
-    for sheet in guide.sheets:
-        cells: list[str | Cell] = [sheet.title]
-        for equations in REDUCED:
-            beyond = sheet.counted(equations, BEYOND)
-            judged = beyond + sheet.counted(equations, WITHIN)
-            share = f"{beyond} of {judged}" if judged else "-"
-            cells += [_verdict(word(sheet.passed(equations))), share]
-        rows.append(tuple(cells))
+    rows: list[list[str | Cell]] = [
+        [
+            sheet.title,
+            *(cell for told, share in verdicts_of(sheet) for cell in (_verdict(told), share)),
+        ]
+        for sheet in guide.sheets
+    ]
     heads = ("manoeuvre", "modified set", "numbers beyond", "basic set", "numbers beyond")
     totals = [
         paragraph(
@@ -139,7 +137,10 @@ def drops(guide: Guide) -> Markup:
         (
             drop.coefficient,
             f"{drop.value:.4g}" if drop.value else "",
-            *(_format_change(drop.percent[name]) for name in columns),
+            *(
+                "-" if value is None else f"{value:+.1f}" if abs(value) >= LEAST else "0"
+                for value in map(drop.percent.__getitem__, columns)
+            ),
         )
         for drop in guide.drops
     ]
@@ -149,13 +150,6 @@ def drops(guide: Guide) -> Markup:
         "0.1 % are left out."
     )
     return section("why", "Why the reduced sets differ", paragraph(words), table(heads, rows))
-
-
-def _format_change(value: float | None) -> str:
-    """Return a change [%] as text."""
-    if value is None:
-        return "-"
-    return f"{value:+.1f}" if abs(value) >= LEAST else "0"
 
 
 def steps(guide: Guide) -> Markup:
@@ -208,11 +202,7 @@ def _trial(one: Compared) -> Markup:
         heads += [column, "difference", "%"]
     rows = []
     for result, ours in zip(trial.results, one.ours, strict=True):
-        cells = [
-            result.quantity,
-            result.unit,
-            format_entry(ours) if ours is None else f"{ours:.4g}",
-        ]
+        cells = [result.quantity, result.unit, "none" if ours is None else f"{ours:.4g}"]
         for value in result.values:
             cells += _beside(ours, value)
         rows.append(cells)
@@ -254,6 +244,7 @@ def _beside(ours: float | None, value: float | None) -> list[str]:
 def programs(book: GuideContents) -> Markup:
     """Return neutral angles, modes and thrust."""
     guide = book.guide
+    figure = Markup("<figure><figcaption>{}</figcaption>{}{}</figure>")
     parts = []
     for name, text, drawn in (
         (
@@ -273,15 +264,11 @@ def programs(book: GuideContents) -> Markup:
         ),
     ):
         parts.append(Markup("<h3>{}</h3>\n").format(name))
-        parts.append(charts(_figure(panel) for panel in drawn))
+        parts.append(
+            charts(figure.format(panel.title, draw(panel), legend(panel.curves)) for panel in drawn)
+        )
         parts.append(Markup("<pre>{}</pre>\n").format(text))
     return section("programs", "Neutral angles, modes, thrust", *parts)
-
-
-def _figure(panel: Panel) -> Markup:
-    """Return a panel with its title and what its curves mean."""
-    caption = Markup("<figcaption>{}</figcaption>").format(panel.title)
-    return Markup("<figure>{}{}{}</figure>").format(caption, draw(panel), legend(panel.curves))
 
 
 def manoeuvres(book: GuideContents) -> Iterator[Markup]:
@@ -338,7 +325,7 @@ def _judgement_cells(one: Judgement | None) -> list[str | Cell]:
     return [figure(one.other, one.unit), told_difference, _verdict(one.verdict)]
 
 
-# The page, and its JSON
+# The page
 
 
 CONTENTS: Final = {
@@ -349,11 +336,6 @@ CONTENTS: Final = {
     "steps": "Steps and methods",
     "programs": "Neutral angles, modes, thrust",
 }
-
-
-def as_json(guide: Guide) -> dict[str, Any]:
-    """Return the guide as JSON holds it."""
-    return asdict(guide)
 
 
 def render(book: GuideContents, moves: tuple[Moved, ...] | None) -> str:
@@ -380,7 +362,7 @@ def render(book: GuideContents, moves: tuple[Moved, ...] | None) -> str:
             programs(book),
             *manoeuvres(book),
         ],
-        data=embed(as_json(guide)),
+        data=embed(asdict(guide)),
     )
 
 

@@ -1,5 +1,8 @@
 """The guide on a terminal: 79 columns of ASCII."""
 
+from collections.abc import Iterator
+from itertools import chain
+
 from trainer.analysis.guide.contents import REDUCED, Guide, Moved, Sheet, tally
 from trainer.analysis.guide.verdicts import BEYOND, WITHIN
 from trainer.report.text import INDENT, cut, plain, table, wrap
@@ -7,26 +10,21 @@ from trainer.report.text import INDENT, cut, plain, table, wrap
 MOST = 20  # entries that moved
 
 
-def word(passed: bool | None) -> str:  # noqa: FBT001 (a verdict)
-    """Return a verdict in words."""
-    return {True: "within", False: "BEYOND", None: "not judged"}[passed]
-
-
-def _row(sheet: Sheet) -> tuple[str, ...]:
-    """Return one manoeuvre as a line: verdict, numbers beyond and judged, of each set."""
-    cells = []
+def verdicts_of(sheet: Sheet) -> Iterator[tuple[str, str]]:
+    """Yield the verdict of each reduced set, with its numbers beyond and judged."""
+    words = {True: "within", False: "BEYOND", None: "not judged"}
     for equations in REDUCED:
         beyond = sheet.counted(equations, BEYOND)
         judged = beyond + sheet.counted(equations, WITHIN)
-        cells += [word(sheet.passed(equations)), f"{beyond} of {judged}" if judged else "-"]
-    return (cut(sheet.title, 40), *cells)
+        yield words[sheet.passed(equations)], f"{beyond} of {judged}" if judged else "-"
 
 
 def render(guide: Guide, moves: tuple[Moved, ...] | None) -> str:
     """Return the guide in short; ``moves`` is what moved since a baseline, None without one."""
     heads = ("", "modified", "beyond", "basic", "beyond")
     lines = [plain(f"QUALIFICATION TEST GUIDE: {guide.vessel}"), ""]
-    lines += table(heads, [_row(sheet) for sheet in guide.sheets])
+    rows = [(cut(sheet.title, 40), *chain(*verdicts_of(sheet))) for sheet in guide.sheets]
+    lines += table(heads, rows)
     lines += ["", "FINDINGS OF 1969"]
     for one in guide.findings:
         lines += wrap(f"{one.title}: {one.verdict}; {one.words}")

@@ -199,15 +199,13 @@ def _manoeuvre(row: Mapping[str, Any], place: Place) -> Manoeuvre:
             continue
         if key not in known:
             raise ConfigError(place.wrong(key, value, f"no such key{nearest(key, known)}"))
-        given[key] = _reader(key, known[key])(key, value, place)
+        read: Callable[[str, object, Place], Any] = PARAMETER.read
+        if key in CHOICES:
+            read = Choice(CHOICES[key], "as --side, or rise and dive").read
+        elif isinstance(known[key], tuple):
+            read = _words
+        given[key] = read(key, value, place)
     return replace(manoeuvre, **given)
-
-
-def _reader(key: str, usual: object) -> Callable[[str, object, Place], Any]:
-    """Return what reads a parameter of a manoeuvre, which has a ``usual`` value."""
-    if key in CHOICES:
-        return Choice(CHOICES[key], "as --side, or rise and dive").read
-    return _words if isinstance(usual, tuple) else PARAMETER.read
 
 
 def _words(key: str, value: object, place: Place) -> tuple[str, ...]:

@@ -8,7 +8,6 @@ from typing import ClassVar, Final, Protocol, runtime_checkable
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
     DIVE,
-    SIGNS,
     STARBOARD,
     Direction,
     Measure,
@@ -46,7 +45,6 @@ class Loadable(Protocol):
 
     def load(self, share: float) -> None:
         """Take a ``share`` [-] of its weight on, or lose it."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -89,7 +87,7 @@ class PlaneJam(Manoeuvre):
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of jam and recovery."""
-        length, speed, sign = conn.vehicle.length, conn.value("u"), SIGNS[self.direction]
+        length, speed, sign = conn.vehicle.length, conn.value("u"), self.sign
         yield from conn.hold(LEAD)
         conn.order("planes", sign * math.radians(self.angle_deg))
         conn.mark("jam")
@@ -136,7 +134,7 @@ class RudderJam(Manoeuvre):
         conn.vehicle.keep("depth")
         length, speed = conn.vehicle.length, conn.value("u")
         yield from conn.hold(LEAD)
-        conn.order("rudder", SIGNS[self.side] * math.radians(self.angle_deg))
+        conn.order("rudder", self.sign * math.radians(self.angle_deg))
         conn.mark("jam")
         yield from conn.hold(self.jammed_lengths * length / speed)
         conn.order("engine", 0.0)

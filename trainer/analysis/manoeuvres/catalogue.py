@@ -136,18 +136,15 @@ def _no_parameter(name: str, parameter: str, value: object) -> str:
     """Return what a manoeuvre has instead of a parameter, and which manoeuvres have that."""
     own = find_manoeuvre(name)
     words = {"direction": "rise or dive"}
-    has = [words.get(key, key.replace("_", "-")) for key in PARAMETERS if _has(own, key)]
-    others = ", ".join(other for other, one in MANOEUVRES.items() if _has(one, parameter))
+    keys = (key for key, field in PARAMETERS.items() if hasattr(own, field))
+    has = [words.get(key, key.replace("_", "-")) for key in keys]
+    field = PARAMETERS[parameter]
+    others = ", ".join(other for other, one in MANOEUVRES.items() if hasattr(one, field))
     given = option(parameter, value)
     return (
         f"{given}: {name} has no such parameter; it has {', '.join(has) or 'none'}. "
         f"{given} is for {others}"
     )
-
-
-def _has(manoeuvre: Manoeuvre, parameter: str) -> bool:
-    """Return whether a manoeuvre has a parameter of PARAMETERS."""
-    return hasattr(manoeuvre, PARAMETERS[parameter])
 
 
 def _check_reach(manoeuvre: Manoeuvre, vehicle: Vehicle, given: Mapping[str, float | str]) -> None:
@@ -156,7 +153,12 @@ def _check_reach(manoeuvre: Manoeuvre, vehicle: Vehicle, given: Mapping[str, flo
     for parameter, controls in (("angle", first), ("planes", ("planes",))):
         for control in controls:
             if parameter in given and control in vehicle.controls:
-                _check_angle(parameter, float(given[parameter]), vehicle, control)
+                most = round(math.degrees(limit(vehicle, control)), 9)
+                if float(given[parameter]) > most:
+                    raise ConfigError(
+                        f"--{parameter} {given[parameter]:g}: the {control} of {vehicle.name} goes "
+                        f"to {most:g} degrees"
+                    )
     if "ahead_speed" in given and "engine" in vehicle.controls:
         most = vehicle.controls["engine"].high / KNOT
         if float(given["ahead_speed"]) > most + ROUNDING:
@@ -169,13 +171,4 @@ def _check_reach(manoeuvre: Manoeuvre, vehicle: Vehicle, given: Mapping[str, flo
         raise ConfigError(
             f"--ahead-time {ahead:g}: must be less than the duration, {whole:g} s; give a longer "
             "--duration"
-        )
-
-
-def _check_angle(parameter: str, angle: float, vehicle: Vehicle, control: str) -> None:
-    """Check that a control goes to an angle [deg]; ConfigError if it does not."""
-    most = round(math.degrees(limit(vehicle, control)), 9)
-    if angle > most:
-        raise ConfigError(
-            f"--{parameter} {angle:g}: the {control} of {vehicle.name} goes to {most:g} degrees"
         )

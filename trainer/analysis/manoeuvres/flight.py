@@ -22,6 +22,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     DIVE,
     PORT,
     RISE,
+    SIGNS,
     STARBOARD,
     LostError,
     Measure,
@@ -29,8 +30,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     Swift,
     Vehicle,
     Watch,
-    check_columns,
-    check_controls,
+    check_parts,
 )
 from trainer.analysis.series import Series
 from trainer.config.files import ConfigError
@@ -137,16 +137,14 @@ class Conn:
 
     def _beyond(self, watch: Watch) -> float:
         """Return how far a quantity is beyond its mark, negative before it."""
-        return watch.side * (self._quantity(watch.quantity) - watch.mark)
-
-    def _quantity(self, name: str) -> float:
-        """Return a quantity that can be watched."""
-        if name == "depth rate":
+        if watch.quantity == "depth rate":
             theta = self.value("theta")
-            return self.value("w") * math.cos(theta) - self.value("u") * math.sin(theta)
-        if name == "size of theta":
-            return abs(self.value("theta"))
-        return self.value(name)
+            value = self.value("w") * math.cos(theta) - self.value("u") * math.sin(theta)
+        elif watch.quantity == "size of theta":
+            value = abs(self.value("theta"))
+        else:
+            value = self.value(watch.quantity)
+        return watch.side * (value - watch.mark)
 
     def _pass(self, end: float, watch: Watch | None) -> Cycles:
         """Let time pass to ``end`` [s] or until what is watched passes."""
@@ -247,6 +245,11 @@ class Manoeuvre(ABC):
             if given not in known:
                 raise ConfigError(f"{name} = {given!r}: must be {known[0]} or {known[1]}")
 
+    @property
+    def sign(self) -> float:
+        """Return the sign of the first order: positive to starboard, or to rise."""
+        return next(SIGNS[getattr(self, name)] for name in CHOICES if hasattr(self, name))
+
     @abstractmethod
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield once for every cycle, orders given before."""
@@ -264,8 +267,7 @@ def fly(
     ``others`` are the events of a flight beside which this one is flown, as ``Conn`` has it.
     ConfigError if the vehicle lacks a control or what is measured, or cannot start so.
     """
-    check_controls(vehicle, manoeuvre.needs)
-    check_columns(vehicle, manoeuvre.compared)
+    check_parts(vehicle, manoeuvre.needs, manoeuvre.compared)
     vehicle.start(speed)
     conn = Conn(vehicle, others)
     lost, left = "", LONGEST

@@ -86,10 +86,14 @@ def fly_vehicle(
 ) -> tuple[Report, Flight]:
     """Return report and flight of the manoeuvre of that name by any vehicle.
 
-    It begins at ``usual`` [kn] unless ``options`` have another speed.
+    It begins at ``usual`` [kn] unless ``options`` have another speed; ConfigError for one of what
+    starts from rest.
     """
     manoeuvre = adjust(name, vehicle, options.parameters)
-    flight = fly(vehicle, manoeuvre, _speed(manoeuvre, options.speed, usual) * KNOT)
+    if manoeuvre.from_rest and options.speed is not None:
+        raise ConfigError("--speed: this manoeuvre starts from rest")
+    moving = usual if options.speed is None else options.speed
+    flight = fly(vehicle, manoeuvre, 0.0 if manoeuvre.from_rest else moving * KNOT)
     report = Report(
         vessel=vehicle.name,
         manoeuvre=name,
@@ -102,15 +106,6 @@ def fly_vehicle(
         lost=flight.lost,
     )
     return report, flight
-
-
-def _speed(manoeuvre: Manoeuvre, given: float | None, usual: float) -> float:
-    """Return the speed [kn] to start at; ConfigError if one is given to what starts at rest."""
-    if not manoeuvre.from_rest:
-        return usual if given is None else given
-    if given is not None:
-        raise ConfigError("--speed: this manoeuvre starts from rest")
-    return 0.0
 
 
 def render(report: Report) -> str:
@@ -138,18 +133,15 @@ def _method_facts(report: Report) -> list[str]:
     if method is None or rig is None:
         return []
     computed = f"{method.equations} set, {method.rates} accelerations, {method.integrator}"
+    place = f"from {DEEP:g} m, where neither hull nor surface sets limits"
+    if rig.depth is not None:
+        seed = "" if rig.sea == CALM else f", seed {rig.seed}"
+        place = f"from {rig.depth:g} m; sea: {rig.sea}{seed}"
     return [
         f"{INDENT}{computed}, step {method.step:g} s",
         f"{INDENT}controls: {rig.controls}; trim: {rig.trim}; depth law: {rig.law}",
-        f"{INDENT}{_place(rig)}",
+        f"{INDENT}{place}",
     ]
-
-
-def _place(rig: Rig) -> str:
-    """Return where a manoeuvre begins, and in what sea."""
-    if rig.depth is None:
-        return f"from {DEEP:g} m, where neither hull nor surface sets limits"
-    return f"from {rig.depth:g} m; sea: {rig.sea}" + f", seed {rig.seed}" * (rig.sea != CALM)
 
 
 def format_measure(one: Measure) -> tuple[str, str]:

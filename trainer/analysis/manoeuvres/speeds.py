@@ -104,7 +104,6 @@ class CrashStop(Manoeuvre):
     """Full astern from steady speed until the way is off."""
 
     needs: ClassVar[tuple[str, ...]] = ("engine",)
-    compared: ClassVar[tuple[str, ...]] = ()
     shows: ClassVar[tuple[str, ...]] = ("u", "x")
 
     duration_s: float = 600.0

@@ -14,7 +14,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.depths import collapse_of, lowest_depth
 from trainer.boat.limits import showing
 from trainer.config.files import ConfigError
-from trainer.config.sea import SeaFile, load_sea
+from trainer.config.sea import load_sea
 from trainer.config.vessel import VesselFile
 from trainer.core import entry
 from trainer.core.actuators import move_surfaces
@@ -58,17 +58,6 @@ class Rig:
     seed: int = 1  # of the sea
 
 
-def _sea_felt(rig: Rig) -> SeaFile:
-    """Return the sea of a rig; ConfigError where no sea is felt."""
-    sea = load_sea(rig.sea)
-    if rig.depth is None:
-        raise ConfigError(
-            f"--sea {rig.sea}: no sea is felt {DEEP:g} m down, where manoeuvres begin unless told "
-            "otherwise; give a --depth"
-        )
-    return sea
-
-
 class _Boat(Boat):
     """A boat that also starts at rest, or in another boat's trim."""
 
@@ -93,13 +82,18 @@ class Submarine:
     columns = COLUMNS
 
     def __init__(self, file: VesselFile, method: Method, rig: Rig = Rig()) -> None:
-        """Fit the boat out."""
+        """Fit the boat out; ConfigError for a sea where none is felt."""
         self.name = file.name
         self.length = file.hull.length
         self.step = method.step
         self.boat = _Boat(file, method)
         if rig.sea != CALM:
-            self.boat.sea = _sea_felt(rig)
+            self.boat.sea = load_sea(rig.sea)
+            if rig.depth is None:
+                raise ConfigError(
+                    f"--sea {rig.sea}: no sea is felt {DEEP:g} m down, where manoeuvres begin "
+                    "unless told otherwise; give a --depth"
+                )
         self._depth, self._seed = rig.depth, rig.seed
         self._collapsed = ""  # in the last sail
         if rig.trim == "full":

@@ -52,7 +52,7 @@ class Turn(Manoeuvre):
         for quantity in self.keep:
             conn.vehicle.keep(quantity)
         yield from conn.hold(self.lead_s)
-        conn.order("rudder", SIGNS[self.side] * math.radians(self.angle_deg))
+        conn.order("rudder", self.sign * math.radians(self.angle_deg))
         conn.mark("rudder")
         yield from conn.hold_to(self.duration_s)
 
@@ -80,7 +80,7 @@ class ClimbingTurn(Manoeuvre):
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the turn."""
         yield from conn.hold(self.lead_s)
-        conn.order("rudder", SIGNS[self.side] * math.radians(self.angle_deg))
+        conn.order("rudder", self.sign * math.radians(self.angle_deg))
         conn.order("planes", SIGNS[self.direction] * math.radians(self.planes_deg))
         conn.mark("rudder")
         yield from conn.hold_to(self.duration_s)
@@ -243,7 +243,6 @@ class PullOut(Manoeuvre):
     """
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
-    compared: ClassVar[tuple[str, ...]] = ()
     shows: ClassVar[tuple[str, ...]] = ("r", "delta_r")
 
     angle_deg: float = 20.0  # rudder
@@ -287,7 +286,6 @@ class Spiral(Manoeuvre):
     """
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
-    compared: ClassVar[tuple[str, ...]] = ()
     shows: ClassVar[tuple[str, ...]] = ("turns", "r", "delta_r")
 
     angle_deg: float = 15.0  # rudder, the largest
@@ -300,7 +298,7 @@ class Spiral(Manoeuvre):
         for way, parts in zip(WAYS, (PARTS, PARTS[::-1]), strict=True):
             for share_of_it in parts:
                 angle = share_of_it * self.angle_deg
-                conn.order("rudder", SIGNS[self.side] * math.radians(angle))
+                conn.order("rudder", self.sign * math.radians(angle))
                 yield from settle(conn, most)
                 conn.mark(f"{way} {angle:+.3g}")
 
@@ -325,7 +323,6 @@ class ReverseSpiral(Manoeuvre):
     """Bech's reverse spiral: the rudder that holds each of a series of yaw rates."""
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
-    compared: ClassVar[tuple[str, ...]] = ()
     shows: ClassVar[tuple[str, ...]] = ("turns", "r", "delta_r")
 
     angle_deg: float = 15.0  # rudder that finds the largest yaw rate
@@ -335,7 +332,7 @@ class ReverseSpiral(Manoeuvre):
         """Yield the cycles of a turn that finds the largest rate, then each rate held."""
         conn.vehicle.keep("depth")
         most = [0.0]
-        conn.order("rudder", SIGNS[self.side] * math.radians(self.angle_deg))
+        conn.order("rudder", self.sign * math.radians(self.angle_deg))
         yield from settle(conn, most)
         largest = swirl(conn)
         conn.mark(FIRST)

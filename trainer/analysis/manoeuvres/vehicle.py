@@ -52,54 +52,43 @@ class Vehicle(Protocol):
     @property
     def name(self) -> str:
         """Return what it is called."""
-        ...
 
     @property
     def length(self) -> float:
         """Return its length [m]."""
-        ...
 
     @property
     def step(self) -> float:
         """Return the length of a cycle [s]."""
-        ...
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Return the names of what ``observe`` returns."""
-        ...
 
     @property
     def controls(self) -> Mapping[str, Control]:
         """Return the limits of its controls by name."""
-        ...
 
     def start(self, speed: float) -> None:
         """Begin anew in steady, straight, level motion at ``speed`` [m/s]; at 0 lie still.
 
         Controls stand at neutral and stay there. ConfigError if that cannot be.
         """
-        ...
 
     def incline(self, heel: float) -> None:
         """Heel it by ``heel`` [rad] as it is, without a rate."""
-        ...
 
     def order(self, control: str, value: float) -> None:
         """Order a control; it acts from the coming cycle on."""
-        ...
 
     def keep(self, quantity: str) -> None:
         """Leave "depth" or "speed" as it is now to automatic control, where there is such."""
-        ...
 
     def observe(self) -> tuple[float, ...]:
         """Return its columns as they stand."""
-        ...
 
     def advance(self) -> None:
         """Advance by one cycle, controls held; LostError if its numbers go astray."""
-        ...
 
 
 @runtime_checkable
@@ -109,15 +98,12 @@ class Swift(Protocol):
     @property
     def swift(self) -> bool:
         """Return whether it can as it is handled now."""
-        ...
 
     def sail(self, end: float, watch: Watch | None) -> NDArray[np.float64]:
         """Advance to ``end`` [s], or until what is watched passes. Return a row for each cycle."""
-        ...
 
     def sound(self) -> None:
         """Check how the last ``sail`` ended; LostError if the numbers went astray in it."""
-        ...
 
 
 def limit(vehicle: Vehicle, control: str) -> float:
@@ -126,25 +112,15 @@ def limit(vehicle: Vehicle, control: str) -> float:
     return min(-low, high)
 
 
-def check_controls(vehicle: Vehicle, needed: tuple[str, ...]) -> None:
-    """Check that the vehicle has the controls; ConfigError if it lacks one."""
-    for control in needed:
-        if control not in vehicle.controls:
-            known = ", ".join(vehicle.controls)
-            raise ConfigError(
-                f"{vehicle.name}: the manoeuvre needs a control {control!r}, "
-                f"and it has {known} alone"
-            )
-
-
-def check_columns(vehicle: Vehicle, needed: tuple[str, ...]) -> None:
-    """Check that the vehicle has the columns; ConfigError if it lacks one."""
-    for column in needed:
-        if column not in vehicle.columns:
-            known = ", ".join(vehicle.columns)
-            raise ConfigError(
-                f"{vehicle.name}: the manoeuvre is measured by {column}, and it has {known} alone"
-            )
+def check_parts(vehicle: Vehicle, controls: tuple[str, ...], columns: tuple[str, ...]) -> None:
+    """Check that the vehicle has controls and columns; ConfigError if it lacks one."""
+    for words, wanted, known in (
+        ("needs a control {!r}", controls, tuple(vehicle.controls)),
+        ("is measured by {}", columns, vehicle.columns),
+    ):
+        for lacking in (name for name in wanted if name not in known):
+            told = f"the manoeuvre {words.format(lacking)}, and it has {', '.join(known)} alone"
+            raise ConfigError(f"{vehicle.name}: {told}")
 
 
 PERCENT: Final = 5.0  # [%] by which two flights may differ
@@ -197,15 +173,6 @@ def _between(t: Numbers, values: Numbers, place: int, level: float) -> float:
         return float(t[place])
     part = (level - values[place - 1]) / (values[place] - values[place - 1])
     return float(t[place - 1] + part * (t[place] - t[place - 1]))
-
-
-@dataclass(frozen=True)
-class Swing:
-    """One swing of an angle about zero."""
-
-    t: float  # [s] of its extreme
-    peak: float  # with its sign
-    begins: float | None  # [s] when it left zero; None: before what is looked at
 
 
 def peaks(t: Numbers, values: Numbers) -> list[tuple[float, float]]:

@@ -1,7 +1,6 @@
 """Manoeuvres in the vertical plane: small disturbances, the meander and the overshoot of 1969."""
 
 import math
-from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -11,7 +10,6 @@ from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
     DIVE,
     RISE,
-    SIGNS,
     STARBOARD,
     Direction,
     Measure,
@@ -45,7 +43,7 @@ class TrimChange(Manoeuvre):
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the offset."""
         yield from conn.hold(self.lead_s)
-        conn.order("planes", SIGNS[self.direction] * math.radians(self.angle_deg))
+        conn.order("planes", self.sign * math.radians(self.angle_deg))
         conn.mark("planes")
         yield from conn.hold_to(self.duration_s)
 
@@ -72,11 +70,6 @@ class Pulse(Manoeuvre):
     pulse_lengths: float = 0.5  # run while it lasts
     duration_s: float = 200.0
 
-    @property
-    @abstractmethod
-    def sign(self) -> float:
-        """Return the sign of the order."""
-
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of pulse and response."""
         yield from conn.hold(LEAD)
@@ -88,12 +81,12 @@ class Pulse(Manoeuvre):
         yield from conn.hold_to(self.duration_s)
 
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return the response's size and the swings it makes."""
+        """Return the response's size and the swings it makes, counted to the side."""
+        flight = flight.counted_to(getattr(self, "side", STARBOARD))
         after = flight.since(flight.time_of("neutral") or 0.0)
         response = flight.change(self.column)
         found = [share(f"largest {self.called}", "rad", largest(response))]
-        tops = peaks(flight.t[after], response[after])
-        period, ratio = swing(tops)
+        period, ratio = swing(peaks(flight.t[after], response[after]))
         return [
             *found,
             show_only("period of its swing", "s", period),
@@ -114,11 +107,6 @@ class Impulse(Pulse):
 
     direction: Direction = RISE
 
-    @property
-    def sign(self) -> float:
-        """Return the sign of the order: positive to rise."""
-        return SIGNS[self.direction]
-
 
 @dataclass(frozen=True)
 class RudderImpulse(Pulse):
@@ -132,15 +120,6 @@ class RudderImpulse(Pulse):
     called: ClassVar[str] = "roll"
 
     side: Side = STARBOARD
-
-    @property
-    def sign(self) -> float:
-        """Return the sign of the order: positive to starboard."""
-        return SIGNS[self.side]
-
-    def measures(self, flight: Flight) -> list[Measure]:
-        """Return the response's size and the swings it makes, counted to the side."""
-        return super().measures(flight.counted_to(self.side))
 
 
 def swing(tops: list[tuple[float, float]]) -> tuple[float | None, float | None]:
@@ -159,7 +138,6 @@ def swing(tops: list[tuple[float, float]]) -> tuple[float | None, float | None]:
 class RollDecay(Manoeuvre):
     """Lying still, heeled and let go."""
 
-    needs: ClassVar[tuple[str, ...]] = ()
     compared: ClassVar[tuple[str, ...]] = ("phi",)
     shows: ClassVar[tuple[str, ...]] = ("phi",)
     from_rest: ClassVar[bool] = True
@@ -170,7 +148,7 @@ class RollDecay(Manoeuvre):
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the decay."""
-        conn.vehicle.incline(SIGNS[self.side] * math.radians(self.angle_deg))
+        conn.vehicle.incline(self.sign * math.radians(self.angle_deg))
         conn.mark("let go")
         yield from conn.hold_to(self.duration_s)
 
@@ -205,13 +183,11 @@ class Meander(Manoeuvre):
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the meander."""
-        execute = math.radians(self.execute_deg)
+        pitch = Watch("size of theta", math.radians(self.execute_deg))
         yield from conn.hold(LEAD)
-        conn.order("planes", SIGNS[self.direction] * math.radians(self.angle_deg))
+        conn.order("planes", self.sign * math.radians(self.angle_deg))
         conn.mark("planes")
-        reached = yield from conn.until(
-            Watch("size of theta", execute), self.duration_s - conn.time
-        )
+        reached = yield from conn.until(pitch, self.duration_s - conn.time)
         if not reached:
             return
         conn.order("planes", 0.0)
@@ -261,14 +237,12 @@ class Overshoot(Manoeuvre):
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the overshoot."""
-        angle = SIGNS[self.direction] * math.radians(self.angle_deg)
-        execute = math.radians(self.execute_deg)
+        angle = self.sign * math.radians(self.angle_deg)
+        pitch = Watch("size of theta", math.radians(self.execute_deg))
         yield from conn.hold(LEAD)
         conn.order("planes", angle)
         conn.mark("planes")
-        reached = yield from conn.until(
-            Watch("size of theta", execute), self.duration_s - conn.time
-        )
+        reached = yield from conn.until(pitch, self.duration_s - conn.time)
         if not reached:
             return
         conn.order("planes", -angle)

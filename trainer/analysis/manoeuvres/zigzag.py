@@ -9,7 +9,6 @@ from typing import ClassVar, Final
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
     RISE,
-    SIGNS,
     STARBOARD,
     Direction,
     Measure,
@@ -41,11 +40,6 @@ class ThrowOver(Manoeuvre):
     execute_deg: float = 20.0  # of what is watched
     duration_s: float = 300.0
 
-    @property
-    @abstractmethod
-    def first(self) -> float:
-        """Return the sign of the first order."""
-
     @abstractmethod
     def track(self, flight: Flight) -> list[Measure]:
         """Return how far the vehicle left its first course or depth."""
@@ -57,7 +51,7 @@ class ThrowOver(Manoeuvre):
         level = conn.value(self.watched)
         angle, execute = math.radians(self.angle_deg), math.radians(self.execute_deg)
         yield from conn.hold(LEAD)
-        side = self.first
+        side = self.sign
         while conn.time < self.duration_s:
             conn.order(self.control, side * angle)
             conn.mark("execute")
@@ -70,21 +64,19 @@ class ThrowOver(Manoeuvre):
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return executes, peaks, overshoots, rates, crossings, speed and track."""
-        t = flight.t
-        angle = self.first * flight.change(self.watched)
+        angle = self.sign * flight.change(self.watched)
         executes = [mark.t for mark in flight.marks]
         if not executes:
             return [show_only("time of execute 2", "s", None)]
-        begin = executes[0]
-        found = self._swings(t, angle, executes)
-        rates = self.first * flight.column(self.rate)
+        found = self._swings(flight.t, angle, executes)
+        rates = self.sign * flight.column(self.rate)
         found += [
             share("largest rate", "rad/s", float(rates.max())),
             share("smallest rate", "rad/s", float(rates.min())),
             share("last speed, of the first", "-", float(flight.column("u")[-1]) / flight.speed),
         ]
         if len(executes) > 1:
-            found.insert(0, share("time of execute 2", "s", executes[1] - begin))
+            found.insert(0, share("time of execute 2", "s", executes[1] - executes[0]))
         return found + self.track(flight)
 
     def _swings(self, t: Numbers, angle: Numbers, executes: list[float]) -> list[Measure]:
@@ -122,11 +114,6 @@ class ZigZag(ThrowOver):
     keep: ClassVar[tuple[str, ...]] = ("depth",)
 
     side: Side = STARBOARD  # first
-
-    @property
-    def first(self) -> float:
-        """Return the sign of the first order: positive to starboard."""
-        return SIGNS[self.side]
 
     def track(self, flight: Flight) -> list[Measure]:
         """Return the sideways track and the roll.
@@ -167,11 +154,6 @@ class VerticalZigZag(ThrowOver):
     execute_deg: float = 10.0  # pitch
     duration_s: float = 200.0
     direction: Direction = RISE  # first
-
-    @property
-    def first(self) -> float:
-        """Return the sign of the first order: positive to rise."""
-        return SIGNS[self.direction]
 
     def track(self, flight: Flight) -> list[Measure]:
         """Return the first turning points of depth, in metres and in lengths."""

@@ -1,6 +1,7 @@
 """A reduction as text, and written into a vessel file."""
 
 import re
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
@@ -43,7 +44,8 @@ def render(found: Reduction) -> str:
 
 def sensitivity(drops: Sequence[Drop]) -> list[str]:
     """Return the table of what each coefficient does by itself."""
-    heads = ["without", *(_head(name) for name in COLUMNS)]
+    short = (name.replace("amplitude after ", "").replace(":", "") for name in COLUMNS)
+    heads = ["without", *(name.replace("-", " ").replace(" ", "\n") for name in short)]
     rows = [
         (drop.coefficient, *(figure(drop.percent.get(name), "+.1f") for name in COLUMNS))
         for drop in drops[:SHOWN]
@@ -54,13 +56,6 @@ def sensitivity(drops: Sequence[Drop]) -> list[str]:
     )
     more = [f"  ... and {len(drops) - SHOWN} with less effect"] if len(drops) > SHOWN else []
     return [*wrap(words, "", ""), *table(heads, rows), *more]
-
-
-def _head(name: str) -> str:
-    """Return the head of a measure's column in two lines or more."""
-    return (
-        name.replace("amplitude after ", "").replace("-", " ").replace(" ", "\n").replace(":", "")
-    )
 
 
 def _terms(found: Reduction) -> Iterator[str]:
@@ -153,14 +148,17 @@ def factor_tables(
     The evidence names what would be worst without each term beyond those of 1969.
     """
     extra = [name for name in EXTRA_TERMS if factors["modified"].get(name)]
-    lines = ["[compact]", *_list_names("extra_terms", extra), ""]
+    names, indent = " ".join(f'"{name}",' for name in extra), " " * 4
+    rows = textwrap.wrap(names, WIDTH, initial_indent=indent, subsequent_indent=indent)
+    lines = ["[compact]", "extra_terms = [", *rows, "]", ""]
     for name, of_set in factors.items():
         shown = {
             key: value
             for key, value in of_set.items()
-            if value != 1.0 and (value or key not in EXTRA_TERMS) and not _unseen(key, extra)
+            if value != 1.0 and (key not in EXTRA_TERMS or (value and key in extra))
         }
-        lines += [f"[compensation.{name}]   # 0: dropped", *_list_factors(shown), ""]
+        listed = (f"{key} = {value:.4g}" for key, value in shown.items())
+        lines += [f"[compensation.{name}]   # 0: dropped", *listed, ""]
     lines += ["[reduction]   # evidence; the program reads none of it"]
     lines.append(f'by = "trainer reduce, version {__version__}"')
     lines += [f"{key} = {value:.4g}" for key, value in notes.items()]
@@ -171,27 +169,3 @@ def factor_tables(
             words = f"without it {need.quantity} in {need.leg}: {need.worst:.3g} of the allowed"
             lines.append(f'{name} = "{words}"')
     return "\n".join(lines) + "\n"
-
-
-def _unseen(key: str, extra: Sequence[str]) -> bool:
-    """Return whether a term has no place in the tables, for it is no extra one of this hull."""
-    return key in EXTRA_TERMS and key not in extra
-
-
-def _list_names(key: str, names: Sequence[str]) -> Iterator[str]:
-    """Yield an array of names in lines that fit."""
-    yield f"{key} = ["
-    row = "   "
-    for name in names:
-        if len(row) + len(name) + 4 > WIDTH:
-            yield row
-            row = "   "
-        row += f' "{name}",'
-    if names:
-        yield row
-    yield "]"
-
-
-def _list_factors(values: Mapping[str, float]) -> list[str]:
-    """Return a factor a line."""
-    return [f"{key} = {value:.4g}" for key, value in values.items()]

@@ -1,7 +1,6 @@
 """The programme of a reduction: legs to fit to, to try, to judge by."""
 
 import math
-from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, Final
@@ -21,7 +20,6 @@ from trainer.analysis.manoeuvres.vehicle import (
     DIVE,
     PORT,
     RISE,
-    SIGNS,
     STARBOARD,
     Direction,
     Measure,
@@ -60,11 +58,6 @@ class _Weave(Manoeuvre):
 
     angle_deg: float = 15.0  # control
 
-    @property
-    @abstractmethod
-    def sign(self) -> float:
-        """Return the sign of the first order."""
-
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the legs."""
         for quantity in self.keep:
@@ -78,7 +71,8 @@ class _Weave(Manoeuvre):
             sign = -sign
 
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return readings along the legs, and the extremes of what swings."""
+        """Return readings along the legs and extremes of what swings, counted to the side."""
+        flight = flight.counted_to(getattr(self, "side", STARBOARD))
         begins = [mark.t for mark in flight.marks]
         ends = [*begins[1:], float(flight.t[-1])]
         times = {
@@ -109,15 +103,6 @@ class Weave(_Weave):
 
     side: Side = STARBOARD
 
-    @property
-    def sign(self) -> float:
-        """Return the sign of the first order: positive to starboard."""
-        return SIGNS[self.side]
-
-    def measures(self, flight: Flight) -> list[Measure]:
-        """Return readings and extremes, counted to the side."""
-        return super().measures(flight.counted_to(self.side))
-
 
 @dataclass(frozen=True)
 class VerticalWeave(_Weave):
@@ -129,11 +114,6 @@ class VerticalWeave(_Weave):
 
     angle_deg: float = 5.0  # control
     direction: Direction = RISE
-
-    @property
-    def sign(self) -> float:
-        """Return the sign of the first order: positive to rise."""
-        return SIGNS[self.direction]
 
 
 TURN_LENGTHS: Final = 120.0  # [lengths run] of a turn, until it is steady
@@ -287,20 +267,12 @@ def _flyable(boat: Submarine, leg: Leg) -> Leg | None:
             flight = fly(boat, leg.manoeuvre, leg.speed_kn * KNOT)
         except ConfigError:
             return None
-        if not flight.lost and _recovers(leg.manoeuvre, flight):
+        recovers = not isinstance(leg.manoeuvre, PlaneJam) or flight.time_of("level") is not None
+        if not flight.lost and recovers:
             return leg
-        if not any(hasattr(leg.manoeuvre, field) for field in GENTLER):
+        field = next((field for field in GENTLER if hasattr(leg.manoeuvre, field)), None)
+        if field is None:
             return None
-        leg = replace(leg, manoeuvre=_gentler(leg.manoeuvre))
+        half = {field: 0.5 * getattr(leg.manoeuvre, field)}
+        leg = replace(leg, manoeuvre=replace(leg.manoeuvre, **half))
     return None
-
-
-def _recovers(manoeuvre: Manoeuvre, flight: Flight) -> bool:
-    """Return whether the boat comes out of what it was to come out of."""
-    return not isinstance(manoeuvre, PlaneJam) or flight.time_of("level") is not None
-
-
-def _gentler(manoeuvre: Manoeuvre) -> Manoeuvre:
-    """Return the manoeuvre by half its time in a jam, its weight, or its angle."""
-    field = next(field for field in GENTLER if hasattr(manoeuvre, field))
-    return replace(manoeuvre, **{field: 0.5 * getattr(manoeuvre, field)})

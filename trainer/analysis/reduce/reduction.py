@@ -3,11 +3,10 @@
 import contextlib
 import hashlib
 import json
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -41,6 +40,7 @@ from trainer.config.files import ConfigError, no_constant
 from trainer.config.vessel import VesselFile
 from trainer.core.cache import core_digest
 from trainer.core.terms import KEPT
+from trainer.io.atomic_write import write_whole
 
 ENDING: Final = ".partial.json"
 
@@ -59,10 +59,8 @@ def fingerprint(file: VesselFile) -> str:
 def save_standings(path: Path, file: VesselFile, standings: Mapping[str, Standing]) -> None:
     """Write the standings by equation set, whole or not at all. ConfigError if that cannot be."""
     found = {"of": fingerprint(file), **{name: asdict(one) for name, one in standings.items()}}
-    beside = path.with_name(path.name + ".new")
     try:
-        beside.write_text(json.dumps(found), encoding="utf-8")
-        os.replace(beside, path)  # noqa: PTH105 (atomic)
+        write_whole(path, json.dumps(found))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be written: {error.strerror}") from None
 
@@ -73,7 +71,13 @@ def load_standings(path: Path, file: VesselFile) -> dict[str, Standing]:
         found = json.loads(path.read_text(encoding="utf-8"), parse_constant=no_constant)
         if found.pop("of") != fingerprint(file):
             return {}
-        return {name: _standing(one) for name, one in found.items()}
+        return {
+            name: Standing(
+                **{**one, "factors": tuple(one["factors"]), "kept": tuple(one["kept"])}
+                | {"needed": tuple(Need(**need) for need in one["needed"])}
+            )
+            for name, one in found.items()
+        }
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return {}
 
@@ -95,13 +99,6 @@ class Log:
         self._standings[name] = standing
         if self._path:
             save_standings(self._path, self._file, self._standings)
-
-
-def _standing(found: Mapping[str, Any]) -> Standing:
-    """Return a standing as it was saved."""
-    needed = tuple(Need(**need) for need in found["needed"])
-    lists = {key: tuple(found[key]) for key in ("factors", "kept")}
-    return Standing(**{**found, **lists, "needed": needed})
 
 
 def discard_checkpoint(path: Path) -> None:

@@ -22,13 +22,6 @@ from trainer.analysis.reduce.programme import legs_of_guide
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 
-# Factors that bring the largest difference down: Gauss and Newton with weights and a leash.
-#
-# The sum of |difference|^p is brought down for growing p, by weights |difference|^(p - 2) on a
-# linear least-squares problem; a leash pulls every factor towards 1, so that a coefficient is what
-# the hull's data say unless the flights ask otherwise.
-
-
 LOWEST, HIGHEST = 0.5, 2.0  # [-] factors
 FLOOR: Final = 0.2  # [-] smaller differences weigh as this
 POWERS: Final = (2, 6)

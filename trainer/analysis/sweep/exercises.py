@@ -1,6 +1,5 @@
 """Members that fly an exercise: seas, casualties and scheduled orders, as ``trainer run`` does."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,6 +19,7 @@ from trainer.config.exercise import Exercise, read_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
 from trainer.config.vessel import VesselFile, read_vessel
+from trainer.debrief.rehearsal import due_orders
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.tables import COLUMNS
@@ -93,14 +93,13 @@ def go_out(plan: Plan) -> Outing:
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     step = plan.method.step
-    rows, refused, lost, place = [boat.numbers(COLUMNS)], "", "", 0
+    rows, refused, lost = [boat.numbers(COLUMNS)], "", ""
     with np.errstate(all="ignore"):
-        for tick in range(round((plan.duration or 0.0) / step)):
-            while place < len(plan.schedule) and due(plan, place) <= tick:
-                reply = obey(boat, plan.schedule[place].order)
+        for places in due_orders(plan):
+            for order in (plan.schedule[place].order for place in places):
+                reply = obey(boat, order)
                 if isinstance(reply, Refused) and not refused:
-                    refused = f"{plan.schedule[place].order.text}: refused: {reply.reason}"
-                place += 1
+                    refused = f"{order.text}: refused: {reply.reason}"
             status = boat.tick()
             if status:
                 lost = boat.failure(status)
@@ -111,11 +110,6 @@ def go_out(plan: Plan) -> Outing:
     series = Series(Path(plan.file.name), columns)
     speed = float(table[0, COLUMNS.index("u")])
     return Outing(Flight(speed, plan.file.hull.length, step, series, (), lost), refused)
-
-
-def due(plan: Plan, place: int) -> int:
-    """Return the first tick not before an order's time. A session carries it out there."""
-    return math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9)
 
 
 class Exercising:

@@ -45,7 +45,7 @@ class SteeredShip:
         for _ in range(count):
             then = self._substep(now, ordered, neutral, turns, h)
             if then is None:
-                return now._replace(speed=0.0, turning=0.0, change=0.0, sway=0.0, turns=0.0)
+                return now._replace(speed=0.0, turning=0.0, lag=0.0, sway=0.0, turns=0.0)
             now = then
         return now
 
