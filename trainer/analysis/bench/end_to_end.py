@@ -95,7 +95,10 @@ def line() -> Iterator[Line]:
 
 @contextlib.contextmanager
 def on_terminal(*words: str) -> Iterator[tuple[Line, "subprocess.Popen[bytes]"]]:
-    """Run the program on a terminal inside the block; yield our end of it and the process."""
+    """Run the program on a terminal inside the block.
+
+    Yield our end of it and the process.
+    """
     with line() as screen:
         terminal = os.open(screen.name, os.O_RDWR | os.O_NOCTTY)
         with subprocess.Popen(  # noqa: S603  our own program

@@ -82,10 +82,12 @@ def go_out(plan: Plan) -> Outing:
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     step = plan.method.step
+    # the first tick not before an order's time: a session carries it out there
+    ticks = [math.ceil(entry.seconds / step - 1e-9) for entry in plan.schedule]
     rows, refused, lost, place = [boat.numbers(COLUMNS)], "", "", 0
     with np.errstate(all="ignore"):
         for tick in range(round((plan.duration or 0.0) / step)):
-            while place < len(plan.schedule) and due(plan, place) <= tick:
+            while place < len(ticks) and ticks[place] <= tick:
                 reply = obey(boat, plan.schedule[place].order)
                 if isinstance(reply, Refused) and not refused:
                     refused = f"{plan.schedule[place].order.text}: refused: {reply.reason}"
@@ -100,11 +102,6 @@ def go_out(plan: Plan) -> Outing:
     series = Series(Path(plan.file.name), columns)
     speed = float(table[0, COLUMNS.index("u")])
     return Outing(Flight(speed, plan.file.hull.length, step, series, (), lost), refused)
-
-
-def due(plan: Plan, place: int) -> int:
-    """Return the first tick not before an order's time. A session carries it out there."""
-    return math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9)
 
 
 class Exercising:
