@@ -73,7 +73,7 @@ def thin(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
 
 
 def way(x: Numbers, y: Numbers, most: int) -> str:
-    """Return a line through points [px] as a path has it, broken where one is none."""
+    """Return a line through points [px] as a path, broken where one is none."""
     known = np.isfinite(x) & np.isfinite(y)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], known, [False])).astype(int)))
     pieces = []
