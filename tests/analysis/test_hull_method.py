@@ -27,7 +27,7 @@ from trainer.analysis.estimate.coefficients import (
     sail_vortex,
     slope,
 )
-from trainer.analysis.estimate.geometry import Spheroid, integral, panels_of, smooth
+from trainer.analysis.estimate.geometry import Spheroid, integral, smooth
 from trainer.analysis.estimate.survey import fly_turns
 from trainer.analysis.estimate.uncertainty import PAIRS, Estimate, fitted, outside, rests, tables
 from trainer.config.files import shipped
@@ -383,9 +383,7 @@ def test_outside_the_envelope_deviations_double() -> None:
 
 def test_panels_of_a_file_stand_where_it_says() -> None:
     small = shipped_hull("small-boat")
-    port = next(
-        p for p in panels_of(small.file, small.shape) if p.name == "bow planes" and p.angle > 1
-    )
+    port = next(p for p in small.panels if p.name == "bow planes" and p.angle > 1)
 
     assert port.normal == (0.0, -1.0)
     assert port.place(0.25) > 0.0

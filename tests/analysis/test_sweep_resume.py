@@ -359,7 +359,7 @@ def test_a_chunk_whose_writing_fails_does_not_count(
     with pytest.raises(ConfigError):
         fly(path, out, breaking(0))  # the manifest is there
     with monkeypatch.context() as disk:
-        disk.setattr("trainer.analysis.sweep.results.os.fsync", full)
+        disk.setattr("os.fsync", full)
         with pytest.raises(ConfigError, match="cannot be written: No space left on device"):
             carry_out(job, alone, out, nothing)
     assert not list(job_folder.glob("*.parquet"))

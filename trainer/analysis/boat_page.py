@@ -7,7 +7,6 @@ recorded otherwise than predicted, which is nothing for a whole recording of thi
 
 import base64
 from collections import deque
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -34,7 +33,7 @@ from trainer.core.state import CASUALTIES, SCRATCH, VALVES
 from trainer.core.surfaces import SURFACES
 from trainer.io.atomic_write import write_whole
 from trainer.io.lines import plain
-from trainer.io.orders.quantities import NUMBERS, Number
+from trainer.io.orders.quantities import NUMBERS
 from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAMES, SETS, SIGNS
 from trainer.io.recording.recording import Branch, Journalled, Recording
 from trainer.session.header import differences, layout_of, plan_of, reading
@@ -57,21 +56,19 @@ def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
         **numbers_of(boat),
         "title": boat.file.name,
         "gauges_at": places_of(SCRATCH)["reading"][0],
-        "channels": channels(),
+        "channels": {  # name, unit and decimals of every field
+            name: [(field.name, field.unit, field.decimals) for field in channel.fields]
+            for name, channel in CHANNELS.items()
+        },
         "ranges": list(ranges(boat, ROLES[role])),
-        "casualties": offers(boat),
+        "casualties": [
+            offer(boat, boat.casualties[name], degree)
+            for name, degree, _ in casualties.available(boat)
+        ],
         "calms": developed_seas(boat),
         "ramp_s": boat.sea.sea.ramp_s,
         "grammar": grammar(),
         **fittings(boat),
-    }
-
-
-def channels() -> dict[str, list[tuple[str, str, int]]]:
-    """Return name, unit and decimals of every field of the channels."""
-    return {
-        name: [(field.name, field.unit, field.decimals) for field in channel.fields]
-        for name, channel in CHANNELS.items()
     }
 
 
@@ -97,13 +94,6 @@ def fittings(boat: Boat) -> dict[str, Any]:
         "shares": SHARES,
         "knot": KNOT,
     }
-
-
-def offers(boat: Boat) -> list[dict[str, Any]]:
-    """Return the casualties that the boat can suffer, with their numbers."""
-    return [
-        offer(boat, boat.casualties[name], degree) for name, degree, _ in casualties.available(boat)
-    ]
 
 
 def offer(boat: Boat, casualty: Casualty, degree: str) -> dict[str, Any]:
@@ -155,17 +145,19 @@ def grammar() -> dict[str, Any]:
             for f in FORMS
         ],
         "sets": SETS,
-        "numbers": {name: measure(number) for name, number in NUMBERS.items()},
+        "numbers": {
+            name: {
+                "says": number.says,
+                "units": [
+                    {"text": u.text, "names": u.names, "factor": u.factor} for u in number.units
+                ],
+                **{key: getattr(number, key) for key in ("prefix", "low", "high", "decimals")},
+            }
+            for name, number in NUMBERS.items()
+        },
         "names": {name: place.says for name, place in NAMES.items()},
         "signs": SIGNS,
     }
-
-
-def measure(number: Number) -> dict[str, Any]:
-    """Return a kind of number as a page reads it."""
-    units = [{"text": u.text, "names": u.names, "factor": u.factor} for u in number.units]
-    limits = {"low": number.low, "high": number.high, "decimals": number.decimals}
-    return {"says": number.says, "units": units, "prefix": number.prefix, **limits}
 
 
 # What was recorded
@@ -188,15 +180,23 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
         layout = layout_of(header)
         plan.start(boat)
         refuse_world(recording, plan, path.name)
-        flown = [fly(recording, each, boat, plan, layout) for each in recording.branches()]
+        exercise = [("title", plan.title or plan.file.name)]  # as a session tells it
+        exercise += [("line", line) for line in plan.briefing.splitlines()]
+        exercise += [] if plan.duration is None else [("duration", f"{plan.duration:g}")]
+        branches = recording.branches()
         told = {
             "from": plain(path.name),
-            "branches": flown,
-            "orders": orders_of(recording),
+            "branches": [fly(recording, each, boat, plan, layout) for each in branches],
+            "orders": [
+                (each.branch, each.tick, plain(each.text))
+                for branch in branches
+                for each in recording.orders(branch.id, branch.after)
+                if each.accepted
+            ],
             "events": [
                 (e.branch, e.tick, plain(e.kind), plain(e.text)) for e in recording.first_events()
             ],
-            "exercise": exercise_of(plan),
+            "exercise": exercise,
         }
         plan.start(boat)
     return boat, told
@@ -213,22 +213,6 @@ def refuse_world(recording: Recording, plan: Plan, name: str) -> None:
         raise ConfigError(f"{name}: {told}; look at it by trainer debrief")
 
 
-def exercise_of(plan: Plan) -> list[tuple[str, str]]:
-    """Return what a page is told of the exercise, as a session tells it."""
-    found = [("title", plan.title or plan.file.name)]
-    found += [("line", line) for line in plan.briefing.splitlines()]
-    return found + ([] if plan.duration is None else [("duration", f"{plan.duration:g}")])
-
-
-def orders_of(recording: Recording) -> list[tuple[int, int, str]]:
-    """Return branch, tick and words of the orders that were carried out."""
-    given: list[tuple[int, int, str]] = []
-    for branch in recording.branches():
-        own = recording.orders(branch.id, branch.after)
-        given += [(each.branch, each.tick, plain(each.text)) for each in own if each.accepted]
-    return given
-
-
 def fly(
     recording: Recording, branch: Branch, boat: Boat, plan: Plan, layout: tuple[str, ...]
 ) -> dict[str, Any]:
@@ -240,7 +224,9 @@ def fly(
     before: list[tuple[int, Writes]] = []
     after: list[tuple[int, Writes]] = []
     last = branch.tick
-    for tick, state in recorded(recording, branch):
+    for tick, state in recording.states(branch.id):
+        if tick <= branch.tick:  # of before its beginning
+            continue
         if written := given(orders, tick - 1, boat, plan):
             before.append((tick - 1, written))
         boat.tick()
@@ -261,11 +247,6 @@ def fly(
         "before": before,
         "after": after,
     }
-
-
-def recorded(recording: Recording, branch: Branch) -> Iterator[tuple[int, bytes]]:
-    """Yield tick and state of what a branch recorded after its beginning."""
-    return ((tick, state) for tick, state in recording.states(branch.id) if tick > branch.tick)
 
 
 def given(orders: deque[Journalled], tick: int, boat: Boat, plan: Plan) -> Writes:

@@ -23,6 +23,7 @@ LENGTHS = 90.0  # boat lengths at the first speed: long enough to settle,
 LAST = 20.0  # the last of which are averaged
 MOST_TICKS = 20_000  # at whatever speed
 SPREAD = 0.02  # [-] of the yaw rate over them: more is not steady
+PLANES = ("stern", "bow")
 
 
 @dataclass(frozen=True)
@@ -163,10 +164,8 @@ def margins(file: VesselFile) -> dict[str, float | None]:
     mass = file.hull.mass / (0.5 * file.fluid.rho * file.hull.length**3)
     vertical = _ratio(c["M_w"] * (c["Z_q"] + mass), c["Z_w"] * c["M_q"])
     horizontal = _ratio(c["N_v"] * (c["Y_r"] - mass), c["Y_v"] * c["N_r"])
-    return {
-        "Gv": None if vertical is None else 1.0 - vertical,
-        "Gh": None if horizontal is None else 1.0 - horizontal,
-    }
+    ratios = {"Gv": vertical, "Gh": horizontal}
+    return {name: None if ratio is None else 1.0 - ratio for name, ratio in ratios.items()}
 
 
 def critical_speed(file: VesselFile, plane: str) -> float | None:
@@ -181,6 +180,12 @@ def critical_speed(file: VesselFile, plane: str) -> float | None:
     stiffness = force * couple / (file.fluid.rho * hull.length**3)
     square = _ratio(stiffness, c["Z_w"] * moment - force * c["M_w"])
     return math.sqrt(square) if square is not None and square > 0.0 else None
+
+
+def critical_speeds(file: VesselFile) -> dict[str, float | None]:
+    """Return the critical speeds [kn] by plane, None where there is none."""
+    speeds = {plane: critical_speed(file, plane) for plane in PLANES}
+    return {plane: None if speed is None else speed / KNOT for plane, speed in speeds.items()}
 
 
 @dataclass(frozen=True)
@@ -200,12 +205,6 @@ def afloat(file: VesselFile) -> Afloat:
         {name: 2.0 * math.pi / float(rate[0]) for name, rate in modes.items() if rate[0] > 0.0},
         {step: substeps(boat.records.vessel, step, 1, boat.records.state) for step in steps},
     )
-
-
-def clipped(file: VesselFile) -> bool:
-    """Return whether linear coefficients of the file would feed the boat beyond their range."""
-    boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
-    return is_clipped(file, boat.records.vessel)
 
 
 EQUATIONS = ("full", "modified", "basic")
@@ -286,20 +285,20 @@ def round_speeds(low: float, high: float) -> tuple[float, ...]:
 
 def _row(mode: Mode) -> ModeRow:
     """Return one mode and the steps its decay allows."""
-    largest = {}
-    if mode.stable:
-        for integrator in REGIONS:
-            scheme = scheme_record(Method("full", "exact", "exact", integrator, 1.0))
-            largest[integrator] = largest_step(scheme, mode.eigenvalue)
+    schemes = {name: Method("full", "exact", "exact", name, 1.0) for name in REGIONS}
     return ModeRow(
-        mode.name,
-        mode.real,
-        mode.imaginary,
-        mode.period,
-        mode.damping_ratio,
-        mode.time_constant,
-        mode.stable,
-        largest,
+        name=mode.name,
+        real=mode.real,
+        imaginary=mode.imaginary,
+        period_s=mode.period,
+        damping_ratio=mode.damping_ratio,
+        time_constant_s=mode.time_constant,
+        stable=mode.stable,
+        largest_s={
+            name: largest_step(scheme_record(scheme), mode.eigenvalue)
+            for name, scheme in schemes.items()
+            if mode.stable
+        },
     )
 
 
@@ -323,28 +322,25 @@ def flights(file: VesselFile, speeds: Iterable[float]) -> tuple[Flight, ...]:
     return tuple(found)
 
 
-def _finite(number: float) -> float | None:
-    """Return ``number``, None for infinity."""
-    return None if math.isinf(number) else number
-
-
 def check(file: VesselFile) -> Report:
     """Return the report on ``file``; ``stable`` is False if any of the verdicts is."""
     speeds = round_speeds(*file.run.speed_range_kn)
+    own = file.run.step_s
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", own))
     largest: dict[str, dict[str, float | None]] = {}
     verdicts = []
     for equations in EQUATIONS:
-        boat = Boat(file, Method(equations, "lagged", "exact", "adams2", file.run.step_s))
-        flown = responses(boat, (speed * KNOT for speed in speeds))
+        lagged = Boat(file, Method(equations, "lagged", "exact", "adams2", own))
+        flown = responses(lagged, (speed * KNOT for speed in speeds))
         largest[equations] = {}
         for integrator in REGIONS:
             scheme = scheme_record(Method(equations, "lagged", "exact", integrator, 1.0))
-            largest[equations][integrator] = _finite(largest_flown(flown.values(), scheme))
+            step = largest_flown(flown.values(), scheme)
+            largest[equations][integrator] = None if math.isinf(step) else step
         adams = scheme_record(Method(equations, "lagged", "exact", "adams2", 1.0))
-        for step in sorted({*STEPS, file.run.step_s}):
+        for step in sorted({*STEPS, own}):
             stable = stable_at(flown.values(), adams, step)
             verdicts.append(Verdict(equations, step, stable, *worst_motion(flown, adams, step)))
-    critical = {plane: critical_speed(file, plane) for plane in ("stern", "bow")}
     return Report(
         vessel=file.name,
         path=str(file.path),
@@ -353,18 +349,16 @@ def check(file: VesselFile) -> Report:
         absent_but_kept=absent(file, kept=True),
         absent_and_dropped=absent(file, kept=False),
         asymmetries=asymmetries(file),
-        inertia=inertia(file, file.run.step_s),
+        inertia=inertia(file, own),
         margins=margins(file),
-        critical_speed_kn={
-            plane: None if speed is None else speed / KNOT for plane, speed in critical.items()
-        },
+        critical_speed_kn=critical_speeds(file),
         flights=flights(file, speeds),
         largest_flown_s=largest,
         verdicts=tuple(verdicts),
         turn=compare_turns(file),
         afloat=afloat(file),
-        clipped=clipped(file),
+        clipped=is_clipped(file, boat.records.vessel),
         stable=all(verdict.stable for verdict in verdicts),
-        own_step_s=file.run.step_s,
-        own_step_stable=all(one.stable for one in verdicts if one.step_s == file.run.step_s),
+        own_step_s=own,
+        own_step_stable=all(one.stable for one in verdicts if one.step_s == own),
     )

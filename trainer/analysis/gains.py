@@ -43,6 +43,13 @@ RELIEF = 0.3  # [1/lengths] of a lasting bow plane angle, where the stern planes
 STRAIGHT = 0.02  # [1/lengths] yaw rate per speed up to which speed trim is learnt
 MARGINS = (0.5, 1.0, 2.0)  # the loop must be stable with surfaces so many times as effective
 
+UNITS = {  # key and factor in the vessel file, of gains whose unit is another there
+    "depth_rate": ("depth_rate_m_s", 1.0),
+    "depth_acceleration": ("depth_acceleration_m_s2", 1.0),
+    "course_rate": ("course_rate_deg_s", math.degrees(1.0)),
+    "course_acceleration": ("course_acceleration_deg_s2", math.degrees(1.0)),
+}
+
 VERTICAL = ("w", "q", "theta", "z")
 LATERAL = ("v", "r", "psi")
 CONTROLLED = (*LATERAL, *VERTICAL)  # roll is left to itself
@@ -117,15 +124,6 @@ def plane_gains(model: Linear, speed: float, vessel: Record, h: float) -> Matrix
     return np.column_stack([z, depth_rate, a[3, 2] * depth_rate - theta, -q, integral])
 
 
-def rudder_gains(model: Linear, speed: float, vessel: Record, h: float) -> list[float]:
-    """Return course, yaw rate, sway and integral gains [SI]."""
-    a, b = with_integral(model.part(*LATERAL), model.inputs(LATERAL, SURFACES[:1]))
-    lasting = COURSE * COURSE_TIME * vessel["ell"][0] / speed
-    cost = np.diag([0.0, 0.0, COURSE**-2, lasting**-2])
-    v, r, psi, integral = regulator(*discrete(a, b, h), cost, reach(vessel, speed)[:1])[0]
-    return [psi, r, -v, integral]
-
-
 def depth_rates(model: Linear) -> Matrix:
     """Return the steady depth rate [m/s] per angle [rad] of both pairs of planes.
 
@@ -167,8 +165,11 @@ def gains_at(model: Linear, speed: float, vessel: Record, h: float) -> list[floa
     """Return the gains [SI] at one speed in the order of GAINS."""
     stern, bow = plane_gains(model, speed, vessel, h)
     taken, given = relief(model, speed, vessel)
-    rudder = rudder_gains(model, speed, vessel, h)
-    return [*stern, taken, *bow, given, *rudder, *slews(model, speed, vessel)]
+    a, b = with_integral(model.part(*LATERAL), model.inputs(LATERAL, SURFACES[:1]))
+    lasting = COURSE * COURSE_TIME * vessel["ell"][0] / speed
+    cost = np.diag([0.0, 0.0, COURSE**-2, lasting**-2])
+    v, r, psi, integral = regulator(*discrete(a, b, h), cost, reach(vessel, speed)[:1])[0]
+    return [*stern, taken, *bow, given, psi, r, -v, integral, *slews(model, speed, vessel)]
 
 
 def close_loop(model: Linear, row: list[float], vessel: Record, h: float) -> Matrix:
@@ -201,12 +202,9 @@ def close_loop(model: Linear, row: list[float], vessel: Record, h: float) -> Mat
 
 def holds(model: Linear, row: list[float], vessel: Record, h: float) -> bool:
     """Return whether the gains hold the boat, with surfaces weaker and stronger than modelled."""
-    for margin in MARGINS:
-        other = Linear(model.A, margin * model.B)
-        matrix = close_loop(other, row, vessel, h)
-        if np.abs(np.linalg.eigvals(matrix)).max() >= 1.0 + 1e-9:
-            return False
-    return True
+    others = (Linear(model.A, margin * model.B) for margin in MARGINS)
+    loops = (np.linalg.eigvals(close_loop(other, row, vessel, h)) for other in others)
+    return not any(np.abs(roots).max() >= 1.0 + 1e-9 for roots in loops)
 
 
 def round_digits(value: float) -> float:
@@ -242,25 +240,14 @@ def design(file: VesselFile) -> dict[str, list[float] | float]:
             f"{file.path.name}: no straight level flight within [run] speed_range_kn: no autopilot"
         )
     turning = STRAIGHT * speeds[0] * KNOT / file.hull.length
-    return table(speeds, rows) | {
+    columns: dict[str, list[float] | float] = {"speed_kn": speeds}
+    for place, name in enumerate(GAINS):
+        key, factor = UNITS.get(name, (name, 1.0))
+        columns[key] = [round_digits(factor * row[place]) for row in rows]
+    return columns | {
         "speed_integral": round_digits(surge),
         "turning_rate_deg_s": round_digits(math.degrees(turning)),
     }
-
-
-def table(speeds: list[float], rows: list[list[float]]) -> dict[str, list[float] | float]:
-    """Return the schedule by key, in the units of the file."""
-    units = {
-        "depth_rate": ("depth_rate_m_s", 1.0),
-        "depth_acceleration": ("depth_acceleration_m_s2", 1.0),
-        "course_rate": ("course_rate_deg_s", math.degrees(1.0)),
-        "course_acceleration": ("course_acceleration_deg_s2", math.degrees(1.0)),
-    }
-    columns: dict[str, list[float] | float] = {"speed_kn": speeds}
-    for place, name in enumerate(GAINS):
-        key, factor = units.get(name, (name, 1.0))
-        columns[key] = [round_digits(factor * row[place]) for row in rows]
-    return columns
 
 
 def design_text(file: VesselFile) -> str:

@@ -1,7 +1,7 @@
 """A recording for other programs: tables, arrays and frames, Rerun's viewer, columns drawn."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -14,11 +14,9 @@ from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
 from trainer.io.recording import recording as recording_file
-from trainer.io.recording.queries import Excess
 from trainer.io.tables import (
     Cell,
     Layout,
-    Table,
     events_table,
     export_csv,
     export_parquet,
@@ -42,25 +40,28 @@ def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | Non
     if not chosen:
         forms = "--csv FILE, --parquet FILE, --rrd FILE or --plot FILE"
         raise ConfigError(f"{path}: export to what? say {forms}")
-    if is_csv(path):
+    if path.suffix.lower() == ".csv":
         raise ConfigError(f"{path}: is a table already; of a CSV file only --plot FILE is made")
     written: list[Path] = []
     with reading(path) as recording:
         for form, out in chosen.items():
-            written += WRITERS[form](recording, out, branch)
-        tell_excess(path, recording.excess())
+            if form == "rrd":
+                require_library("rerun", "--rrd")
+                from trainer.session.rerun.conversion import (  # noqa: PLC0415  a second to import
+                    write_record,
+                )
+
+                try:
+                    write_record(recording, out, recording.branch if branch is None else branch)
+                except OSError as error:
+                    raise ConfigError(f"--rrd {out}: {error.strerror}") from None
+                written.append(out)
+            else:
+                write = export_csv if form == "csv" else export_parquet
+                written += write(recording, table_layout(recording), out, branch)
+        for each in recording.excess():
+            click.echo(f"trainer: {path}: {each}", err=True)
     click.echo("\n".join(map(str, written)))
-
-
-def tell_excess(path: Path, excess: Iterable[Excess]) -> None:
-    """Print of what a recording has more than is read of it."""
-    for each in excess:
-        click.echo(f"trainer: {path}: {each}", err=True)
-
-
-def is_csv(path: Path) -> bool:
-    """Return whether a path is that of a CSV file, not of a recording."""
-    return path.suffix.lower() == ".csv"
 
 
 def draw_run(path: Path, out: Path, columns: Sequence[str], branch: int | None) -> None:
@@ -71,7 +72,8 @@ def draw_run(path: Path, out: Path, columns: Sequence[str], branch: int | None) 
     """
     shown = [[name.strip() for name in names.split(",")] for names in columns or USUAL]
     wanted = list(dict.fromkeys(name for names in shown for name in names))
-    series = load_series(path) if is_csv(path) else recorded_series(path, wanted, branch)
+    table = path.suffix.lower() == ".csv"
+    series = load_series(path) if table else recorded_series(path, wanted, branch)
     draw(tuple(panel_of(series, names) for names in shown), out)
     click.echo(str(out))
 
@@ -100,7 +102,6 @@ def recorded_series(path: Path, names: Sequence[str], branch: int | None) -> Ser
 
 def panel_of(series: Series, names: Sequence[str]) -> Panel:
     """Return columns over time on one pair of axes; ConfigError if their units differ."""
-    columns = [series.column(name) for name in names]
     units = list(dict.fromkeys(page_unit(name)[1] for name in names))
     if len(units) > 1:
         raise ConfigError(
@@ -108,44 +109,10 @@ def panel_of(series: Series, names: Sequence[str]) -> Panel:
             "--column once for each"
         )
     curves = tuple(
-        Curve(name, series.t, page_unit(name)[0] * values)
-        for name, values in zip(names, columns, strict=True)
+        Curve(name, series.t, page_unit(name)[0] * series.column(name)) for name in names
     )
-    title = ", ".join(names)
-    return Panel(
-        title,
-        "time [s]",
-        f"{title} [{units[0]}]",
-        curves,
-        downwards=DEPTH_COLUMNS.issuperset(names),
-    )
-
-
-def csv_files(recording: recording_file.Recording, path: Path, branch: int | None) -> list[Path]:
-    """Write a branch as CSV; return the files written."""
-    return export_csv(recording, table_layout(recording), path, branch)
-
-
-def parquet_files(
-    recording: recording_file.Recording, path: Path, branch: int | None
-) -> list[Path]:
-    """Write a branch as Parquet; return the files written."""
-    return export_parquet(recording, table_layout(recording), path, branch)
-
-
-def rrd_file(recording: recording_file.Recording, path: Path, branch: int | None) -> list[Path]:
-    """Write a branch as a file for Rerun; return the file written."""
-    require_library("rerun", "--rrd")
-    from trainer.session.rerun.conversion import write_record  # noqa: PLC0415  a second to import
-
-    try:
-        write_record(recording, path, recording.branch if branch is None else branch)
-    except OSError as error:
-        raise ConfigError(f"--rrd {path}: {error.strerror}") from None
-    return [path]
-
-
-WRITERS: Final = {"csv": csv_files, "parquet": parquet_files, "rrd": rrd_file}
+    title, lower = ", ".join(names), DEPTH_COLUMNS.issuperset(names)
+    return Panel(title, "time [s]", f"{title} [{units[0]}]", curves, downwards=lower)
 
 
 def table_layout(recording: recording_file.Recording) -> Layout:
@@ -211,14 +178,24 @@ def read_recording(path: str | Path, branch: int | None = None) -> Recording:
     with reading(Path(path)) as recording:
         layout = table_layout(recording)
         chosen = recording.branch if branch is None else branch
+        states = states_table(recording, layout, chosen)
+        flat = (math.nan if cell is None else float(cell) for row in states.rows for cell in row)
+        whole = np.fromiter(flat, np.float64).reshape(-1, len(states.columns))
+        orders, events = (
+            [dict(zip(table.columns, row, strict=True)) for row in table.rows]
+            for table in (
+                orders_table(recording, layout, chosen),
+                events_table(recording.events(), layout),
+            )
+        )
         return Recording(
             path=Path(path),
             branch=chosen,
             step=layout.step,
             trainees=trainees_of(recording.header()),
-            columns=_arrays(states_table(recording, layout, chosen)),
-            orders=_dicts(orders_table(recording, layout, chosen)),
-            events=_dicts(events_table(recording.events(), layout)),
+            columns={name: whole[:, i].copy() for i, name in enumerate(states.columns)},
+            orders=orders,
+            events=events,
         )
 
 
@@ -232,15 +209,3 @@ def frame_of(columns: Mapping[str, Numbers]) -> Any:
 
     frame = pd.DataFrame(dict(columns))
     return frame.set_index("t") if "t" in columns else frame
-
-
-def _arrays(table: Table) -> dict[str, Numbers]:
-    """Return the columns of a table of numbers; what is missing is NaN."""
-    flat = (math.nan if cell is None else float(cell) for row in table.rows for cell in row)
-    whole = np.fromiter(flat, np.float64).reshape(-1, len(table.columns))
-    return {name: whole[:, place].copy() for place, name in enumerate(table.columns)}
-
-
-def _dicts(table: Table) -> list[dict[str, Cell]]:
-    """Return the rows of a table, each with the names of its columns."""
-    return [dict(zip(table.columns, row, strict=True)) for row in table.rows]

@@ -30,7 +30,7 @@ from trainer.core.sea.wave_filter import STEEPEST_TURN
 from trainer.core.state import new_sea, new_state
 from trainer.core.vessel import VESSEL
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, plain, table, wrap
+from trainer.report.text import INDENT, figure, part, plain, table, wrap
 from trainer.units import KNOT
 
 BANDS: Final = np.arange(6, 20) / 10.0  # [-] where they begin, times the peak frequency
@@ -137,15 +137,10 @@ def describe(file: SeaFile, settings: Numbers, g: float) -> Seaway:
     )
 
 
-def swum_mass(vessel: VesselFile) -> float:
-    """Return the displaced mass with the added mass in heave [kg]."""
-    added = 0.5 * vessel.fluid.rho * vessel.hull.length**3 * vessel.coefficients["Z_wdot"]
-    return vessel.hull.buoyancy / vessel.fluid.g - added
-
-
 def at_depth(vessel: VesselFile, settings: Numbers, depth: float) -> AtDepth:
     """Return what the sea is to a boat at a depth [m]. The suction is Pierson-Moskowitz's."""
-    g, mass = vessel.fluid.g, swum_mass(vessel)
+    added = 0.5 * vessel.fluid.rho * vessel.hull.length**3 * vessel.coefficients["Z_wdot"]
+    g, mass = vessel.fluid.g, vessel.hull.buoyancy / vessel.fluid.g - added
     height, omega = float(settings[HEIGHT]), float(settings[OMEGA])
     lift, slope = suction(g, omega, height, depth)
     return AtDepth(
@@ -224,74 +219,43 @@ def render(report: Report) -> str:
     sea = report.sea
     if sea.height_m == 0.0:
         return plain(f"{sea.name}: no waves")
-    return "\n".join(
-        [
-            plain(sea.name),
-            *_facts(report),
-            "",
-            plain(f"AT REST IN {report.vessel}"),
-            *_depth_rows(report),
-            *([] if sea.suction else wrap("suction is off in this sea: the boat does not feel it")),
-            "",
-            f"ENERGY BY BAND, {SERIES} series of {HOURS:g} h over the spectrum's",
-            *_band_rows(report.bands),
-        ]
-    )
-
-
-def _facts(report: Report) -> list[str]:
-    """Return the sea in lines."""
-    sea = report.sea
     shape = "Pierson-Moskowitz" if sea.gamma == 1.0 else f"JONSWAP, peak raised {sea.gamma:g} times"
     highest = HIGHEST * sea.height_m
-    lines = [
+    facts = [
         f"height       {sea.height_m:.3g} m significant, one in 1000 {highest:.2g} m",
         f"peak         {sea.period_s:.1f} s, {sea.omega_rad_s:.3f} rad/s",
         f"wavelength   {sea.wavelength_m:.0f} m of the peak, from {sea.from_deg:03.0f}",
         f"spectrum     {shape}, by {sea.generator}; suction {'on' if sea.suction else 'off'}",
     ]
     if sea.longest_step_s is not None:
-        lines.append(f"step         up to {sea.longest_step_s:.3g} s; here {report.step_s:g} s")
+        facts.append(f"step         up to {sea.longest_step_s:.3g} s; here {report.step_s:g} s")
     if sea.followed_kn is not None:
-        lines.append(
+        facts.append(
             f"following    above {sea.followed_kn:.2g} kn with the waves it is untrue: take cosines"
         )
-    return [INDENT + line for line in lines]
+    lines = [plain(sea.name), *(INDENT + fact for fact in facts)]
+    lines += part(plain(f"AT REST IN {report.vessel}"), DEPTH_HEADS, map(_depth_row, report.depths))
+    if not sea.suction:
+        lines += wrap("suction is off in this sea: the boat does not feel it")
+    lines += ["", f"ENERGY BY BAND, {SERIES} series of {HOURS:g} h over the spectrum's"]
+    half = (len(report.bands) + 1) // 2
+    for bands in (report.bands[:half], report.bands[half:]):
+        heads = ["from", *(f"{band.begin:.1f}" for band in bands)]
+        lines += table(heads, [["energy", *(figure(band.ratio, ".2f") for band in bands)]])
+    return "\n".join(lines)
 
 
-def _depth_rows(report: Report) -> list[str]:
-    """Return the table of depths."""
-    heads = (
-        "depth\n[m]",
-        "swell\n[m/s]",
-        "suction\n[N]",
-        "water\n[kg]",
-        "less by\n[N/m]",
-        "doubles\n[s]",
-    )
-    rows = [
-        (
-            f"{one.depth_m:g}",
-            f"{one.water_m_s:.3f}",
-            f"{one.suction_N:.0f}",
-            f"{one.suction_kg:.0f}",
-            f"{one.slope_N_m:.0f}",
-            "-" if one.doubling_s is None else f"{one.doubling_s:.0f}",
-        )
-        for one in report.depths
-    ]
-    return table(heads, rows)
+DEPTH_HEADS: Final = (
+    *("depth\n[m]", "swell\n[m/s]", "suction\n[N]"),
+    *("water\n[kg]", "less by\n[N/m]", "doubles\n[s]"),
+)
 
 
-def _band_rows(bands: Sequence[Band]) -> list[str]:
-    """Return the bands in two rows of a table."""
-    half = (len(bands) + 1) // 2
-    lines = []
-    for part in (bands[:half], bands[half:]):
-        heads = ["from", *(f"{band.begin:.1f}" for band in part)]
-        told = ["-" if band.ratio is None else f"{band.ratio:.2f}" for band in part]
-        lines += table(heads, [["energy", *told]])
-    return lines
+def _depth_row(one: AtDepth) -> tuple[str, ...]:
+    """Return one depth as a line of the table."""
+    numbers = (one.suction_N, one.suction_kg, one.slope_N_m)
+    forces = (f"{number:.0f}" for number in numbers)
+    return (f"{one.depth_m:g}", f"{one.water_m_s:.3f}", *forces, figure(one.doubling_s, ".0f"))
 
 
 def panels(file: SeaFile, vessel: VesselFile, report: Report) -> tuple[Panel, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from trainer.report.plots import TRACK, Curve, Panel
-from trainer.report.svg import Axis, rule, step_of, svg, text, thin, ticks
+from trainer.report.svg import Axis, rule, step_of, svg, text, ticks, way
 
 WIDTH, HEIGHT = 460.0, 230.0  # [px]
 LEFT, RIGHT, TOP, BOTTOM = 52.0, 12.0, 26.0, 40.0
@@ -29,7 +29,10 @@ def draw(panel: Panel) -> Markup:
     if panel.decades:
         logs = (replace(curve, x=np.log10(curve.x)) for curve in panel.curves)
         panel = replace(panel, curves=tuple(logs))
-    curves = [_finite(curve) for curve in panel.curves]
+    curves = []
+    for curve in panel.curves:
+        good = np.isfinite(curve.x) & np.isfinite(curve.y)
+        curves.append((curve.x[good], curve.y[good]))
     xs = np.concatenate([x for x, _ in curves])
     ys = np.concatenate([y for _, y in curves])
     if not xs.size:
@@ -42,9 +45,13 @@ def draw(panel: Panel) -> Markup:
                 rule("mark", across.at(place), TOP, across.at(place), HEIGHT - BOTTOM),
                 text("tick", across.at(place) + 3.0, TOP + 9.0, label),
             ]
-    for i, curve in enumerate(panel.curves):
-        drawing = _dots if curve.points else _curve
-        parts.append(drawing(curve, i, across, up))
+    for i, (curve, (x, y)) in enumerate(zip(panel.curves, curves, strict=True)):
+        if curve.points:
+            spots = zip(across.places(x), up.places(y), strict=True)
+            parts.append("".join(_dot(i, float(a), float(b)) for a, b in spots))
+            continue
+        line = way(across.places(curve.x), up.places(curve.y), POINTS)
+        parts.append(f'<path class="c{i % STYLES}" d="{line}"/>')
     return svg(f"{panel.y} against {panel.x}", (WIDTH, HEIGHT), parts)
 
 
@@ -52,23 +59,13 @@ def legend(curves: tuple[Curve, ...]) -> Markup:
     """Return what the curves mean, as an HTML paragraph with samples."""
     key = Markup('<span class="key"><svg viewBox="0 0 36 8" aria-hidden="true">{}</svg>{}</span>')
     samples = Markup().join(
-        key.format(Markup(_sample(curve, i)), curve.label)  # noqa: S704  made here
+        key.format(Markup(sample), curve.label)  # noqa: S704  made here
         for i, curve in enumerate(curves)
+        for sample in (
+            _dot(i, 18.0, 4.0) if curve.points else f'<path class="c{i % STYLES}" d="M1 4H35"/>',
+        )
     )
     return Markup('<p class="legend">{}</p>').format(samples)
-
-
-def _sample(curve: Curve, place: int) -> str:
-    """Return a short piece of a curve."""
-    if curve.points:
-        return _dot(place, 18.0, 4.0)
-    return f'<path class="c{place % STYLES}" d="M1 4H35"/>'
-
-
-def _finite(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
-    """Return the points of a curve that are numbers."""
-    good = np.isfinite(curve.x) & np.isfinite(curve.y)
-    return curve.x[good], curve.y[good]
 
 
 def _axes(panel: Panel, xs: np.ndarray, ys: np.ndarray) -> tuple[Axis, Axis]:
@@ -101,43 +98,20 @@ def _grid(panel: Panel, across: Axis, up: Axis) -> list[str]:
         y = up.at(value)
         parts.append(rule("grid", LEFT, y, WIDTH - RIGHT, y))
         parts.append(text("tick end", LEFT - 5.0, y + 3.5, f"{value + 0.0:.6g}"))
-    for value, label in _along(panel, across):
+    if panel.decades:  # 1, 2 and 5 of each
+        powers = range(math.floor(across.low), math.ceil(across.high) + 1)
+        places = [(math.log10(m) + power, f"{m * 10.0**power:g}") for power in powers for m in ONES]
+        places = [one for one in places if across.low <= one[0] <= across.high]
+    else:
+        values = ticks(across.low, across.high, step_of(across.high - across.low, 7))
+        places = [(value, f"{value + 0.0:.6g}") for value in values]
+    for value, label in places:
         x = across.at(value)
         parts.append(rule("grid", x, TOP, x, HEIGHT - BOTTOM))
         parts.append(text("tick middle", x, HEIGHT - BOTTOM + 14.0, label))
     parts.append(text("tick middle", 0.5 * (LEFT + WIDTH - RIGHT), HEIGHT - 8.0, panel.x))
     inside = [up.at(value) for value in panel.levels if up.low <= value <= up.high]
     return [*parts, *(rule("mark", LEFT, y, WIDTH - RIGHT, y) for y in inside)]
-
-
-def _along(panel: Panel, across: Axis) -> list[tuple[float, str]]:
-    """Return the places of labels along x: round numbers, or 1, 2 and 5 of each decade."""
-    if not panel.decades:
-        places = ticks(across.low, across.high, step_of(across.high - across.low, 7))
-        return [(value, f"{value + 0.0:.6g}") for value in places]
-    powers = range(math.floor(across.low), math.ceil(across.high) + 1)
-    round_ones = [(math.log10(m) + power, f"{m * 10.0**power:g}") for power in powers for m in ONES]
-    return [one for one in round_ones if across.low <= one[0] <= across.high]
-
-
-def _curve(curve: Curve, place: int, across: Axis, up: Axis) -> str:
-    """Return a curve as a path, broken where its points are no numbers."""
-    strokes = []
-    breaks = np.flatnonzero(~(np.isfinite(curve.x) & np.isfinite(curve.y)))
-    for piece in np.split(np.arange(curve.x.size), breaks):
-        kept = piece[np.isfinite(curve.x[piece]) & np.isfinite(curve.y[piece])]
-        if kept.size > 1:
-            x, y = thin(curve.x[kept], curve.y[kept], POINTS)
-            points = zip(across.places(x), up.places(y), strict=True)
-            strokes.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in points))
-    return f'<path class="c{place % STYLES}" d="{"".join(strokes)}"/>'
-
-
-def _dots(curve: Curve, place: int, across: Axis, up: Axis) -> str:
-    """Return the points of a curve as marks."""
-    x, y = _finite(curve)
-    spots = zip(across.places(x), up.places(y), strict=True)
-    return "".join(_dot(place, float(a), float(b)) for a, b in spots)
 
 
 def _dot(place: int, x: float, y: float) -> str:

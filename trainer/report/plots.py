@@ -101,18 +101,13 @@ class Bars:
     middle: float
 
 
-def _check_form(path: Path) -> None:
-    """Check that ``path`` ends in a form that can be drawn; ConfigError if it does not."""
-    if path.suffix.lower() not in FORMS:
-        raise ConfigError(f"--plot {path}: must end in {', '.join(FORMS[:-1])} or {FORMS[-1]}")
-
-
 def draw(panels: Sequence[Panel | Bars | Screen], path: Path) -> None:
     """Write ``panels``, one below the other, to ``path``; ConfigError if that cannot be.
 
     Screens are two panels wide, in a PDF each on a page of its own.
     """
-    _check_form(path)
+    if path.suffix.lower() not in FORMS:
+        raise ConfigError(f"--plot {path}: must end in {', '.join(FORMS[:-1])} or {FORMS[-1]}")
     try:
         from matplotlib import rc_context  # noqa: PLC0415
         from matplotlib.backends.backend_pdf import PdfPages  # noqa: PLC0415

@@ -72,6 +72,17 @@ def thin(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
     return x[rows], y[rows]
 
 
+def way(x: Numbers, y: Numbers, most: int) -> str:
+    """Return a line through points [px] as a path, broken where one is none."""
+    known = np.isfinite(x) & np.isfinite(y)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], known, [False])).astype(int)))
+    pieces = []
+    for first, after in edges.reshape(-1, 2):
+        points = zip(*thin(x[first:after], y[first:after], most), strict=True)
+        pieces.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in points))
+    return "".join(pieces)
+
+
 WIDTH, HEIGHT = 960.0, 210.0  # [px]
 LEFT, RIGHT, TOP, BOTTOM = 68.0, 24.0, 26.0, 24.0
 POINTS: Final = 1600  # of a line
@@ -131,14 +142,28 @@ class Ground:
 def draw(chart: Chart, ground: Ground) -> Markup:
     """Return the chart as an SVG element."""
     up = _upright(chart)
-    parts = [
-        *_frame(chart, up),
-        *backdrop(ground, TOP, HEIGHT - BOTTOM, chart.name),
-        *time_axis(ground, HEIGHT - BOTTOM),
-        *_levels(chart, up),
-        *(_curve(line, ground, up) for line in chart.lines),
-        *_legend(chart),
-    ]
+    parts = [text("title", LEFT, 16.0, f"{chart.title} [{chart.unit}]")]
+    for value in ticks(up.low, up.high, step_of(up.high - up.low, 6, chart.steps)):
+        y = up.at(value)
+        parts.append(rule("grid", LEFT, y, WIDTH - RIGHT, y))
+        parts.append(text("tick end", LEFT - 6.0, y + 4.0, chart.number(value + 0.0)))
+    parts += backdrop(ground, TOP, HEIGHT - BOTTOM, chart.name)
+    parts += time_axis(ground, HEIGHT - BOTTOM)
+    for level in chart.levels:
+        if up.low <= level.value <= up.high:
+            y = up.at(level.value)
+            parts.append(rule("limit", LEFT, y, WIDTH - RIGHT, y))
+            parts.append(text("limit-name end", WIDTH - RIGHT - 2.0, y - 3.0, level.label))
+    for line in chart.lines:
+        x = ground.across.places(ground.seconds if line.seconds is None else line.seconds)
+        drawn = way(x, up.places(line.values), POINTS)
+        parts.append(f'<path class="line {line.style}" d="{drawn}"/>')
+    end = LEFT + TITLE_LETTER * len(f"{chart.title} [{chart.unit}]") + 20.0
+    for line in chart.lines:  # a sample of each with its name, after the title
+        parts.append(f'<path class="line {line.style}" d="M{end:.1f} 12L{end + LEGEND:.1f} 12"/>')
+        end += LEGEND + 5.0
+        parts.append(text("tick", end, 16.0, line.label))
+        end += LETTER * len(line.label) + 12.0
     return svg(f"{chart.title} against time", (WIDTH, HEIGHT), parts)
 
 
@@ -163,12 +188,22 @@ def backdrop(ground: Ground, top: float, bottom: float, name: str = "") -> Itera
 
 def time_axis(ground: Ground, bottom: float) -> Iterator[str]:
     """Yield the axis of time with its labels."""
-    across = ground.across
-    yield rule("axis", LEFT, bottom, WIDTH - RIGHT, bottom)
-    for second in ticks(across.low, across.high, step_of(across.high - across.low, 12, TIMES)):
-        x = across.at(second)
+    return scale(ground.across, bottom, 12, TIMES, clock)
+
+
+def scale(
+    across: Axis,
+    bottom: float,
+    most: int,
+    steps: tuple[float, ...] = (),
+    label: Callable[[float], str] = "{:g}".format,
+) -> Iterator[str]:
+    """Yield an axis with labels at ``most`` round numbers or fewer, as ``step_of`` has them."""
+    yield rule("axis", across.begin, bottom, across.end, bottom)
+    for value in ticks(across.low, across.high, step_of(across.high - across.low, most, steps)):
+        x = across.at(value)
         yield rule("axis", x, bottom, x, bottom + 4.0)
-        yield text("tick middle", x, bottom + 16.0, clock(second))
+        yield text("tick middle", x, bottom + 16.0, label(value + 0.0))
 
 
 def rect(style: str, x: float, y: float, width: float, height: float) -> str:
@@ -200,42 +235,3 @@ def _upright(chart: Chart) -> Axis:
     low, high = low - lacking - margin, high + lacking + margin
     ends = (TOP, HEIGHT - BOTTOM) if chart.downwards else (HEIGHT - BOTTOM, TOP)
     return Axis(low, high, *ends)
-
-
-def _frame(chart: Chart, up: Axis) -> Iterator[str]:
-    yield text("title", LEFT, 16.0, f"{chart.title} [{chart.unit}]")
-    for value in ticks(up.low, up.high, step_of(up.high - up.low, 6, chart.steps)):
-        y = up.at(value)
-        yield rule("grid", LEFT, y, WIDTH - RIGHT, y)
-        yield text("tick end", LEFT - 6.0, y + 4.0, chart.number(value + 0.0))
-
-
-def _levels(chart: Chart, up: Axis) -> Iterator[str]:
-    for level in chart.levels:
-        if up.low <= level.value <= up.high:
-            y = up.at(level.value)
-            yield rule("limit", LEFT, y, WIDTH - RIGHT, y)
-            yield text("limit-name end", WIDTH - RIGHT - 2.0, y - 3.0, level.label)
-
-
-def _curve(line: Line, ground: Ground, up: Axis) -> str:
-    """Return a line, broken where there are no numbers."""
-    known = np.isfinite(line.values)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], known, [False])).astype(int)))
-    pieces = []
-    seconds = ground.seconds if line.seconds is None else line.seconds
-    for first, after in edges.reshape(-1, 2):
-        x = ground.across.places(seconds[first:after])
-        x, y = thin(x, up.places(line.values[first:after]), POINTS)
-        pieces.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True)))
-    return f'<path class="line {line.style}" d="{"".join(pieces)}"/>'
-
-
-def _legend(chart: Chart) -> Iterator[str]:
-    """Yield samples of the lines with their names, after the title."""
-    x = LEFT + TITLE_LETTER * len(f"{chart.title} [{chart.unit}]") + 20.0
-    for line in chart.lines:
-        yield f'<path class="line {line.style}" d="M{x:.1f} 12L{x + LEGEND:.1f} 12"/>'
-        x += LEGEND + 5.0
-        yield text("tick", x, 16.0, line.label)
-        x += LETTER * len(line.label) + 12.0

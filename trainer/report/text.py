@@ -39,6 +39,11 @@ def root_text(real: float, imaginary: float) -> str:
     return f"{real:+.5f}" + (f" +-{imaginary:.5f}i" if imaginary else "")
 
 
+def part(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """Return a table under a title, a blank line before."""
+    return ["", title, *table(heads, rows)]
+
+
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], indent: str = INDENT) -> list[str]:
     """Return a table. The first column is to the left, the others to the right, two spaces between.
 

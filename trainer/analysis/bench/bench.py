@@ -10,7 +10,6 @@ import os
 import platform
 import re
 import sys
-import textwrap
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +20,7 @@ import numba
 import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 
+from trainer.analysis.bench.on_time import head, row
 from trainer.analysis.bench.session_tick import (
     SPEED,
     Attended,
@@ -48,6 +48,7 @@ from trainer.core.state import SCRATCH, STATE
 from trainer.core.vessel import COMPACT, VESSEL
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
+from trainer.report.text import INDENT, plain, wrap
 from trainer.session.time.ledger import Spread, Summary
 
 DUTY_1969: Final = {0.5: 38.0, 1.0: 19.0}  # [%] by step [s], of the modified set in 1969
@@ -59,11 +60,7 @@ RECORDS: Final = {
     "scheme": SCHEME,
     "scratch": SCRATCH,
 }
-HOT: Final = (
-    STANDARD,
-    ("full", "exact", "adams2"),
-    ("full", "exact", "rk4"),
-)
+HOT: Final = (STANDARD, ("full", "exact", "adams2"), ("full", "exact", "rk4"))
 
 
 @dataclass(frozen=True)
@@ -142,7 +139,15 @@ def bench(file: VesselFile, seconds: int) -> Figures:
         latency = time_orders(ordered, seconds, lambda _tick: bar.update(1))
     return Figures(
         vessel=file.name,
-        machine=this_machine(),
+        machine=Machine(
+            cpu_model=cpu_model(Path("/proc/cpuinfo")),
+            cpu_target=binding.get_host_cpu_name(),
+            cpu_count=os.cpu_count() or 1,
+            system=platform.platform(terse=True),
+            python=platform.python_version(),
+            numpy=np.__version__,
+            numba=numba.__version__,
+        ),
         real_time=paced,
         updates=tuple(time_update(ready(file, way, file.run.step_s)) for way in HOT),
         troubled=time_troubled(file, HOT[0]),
@@ -190,19 +195,6 @@ def samples_up(samples: int, permille: int) -> int:
     return samples - math.ceil(samples * permille / 1000) + 1
 
 
-def this_machine() -> Machine:
-    """Return what the figures hold for."""
-    return Machine(
-        cpu_model=cpu_model(Path("/proc/cpuinfo")),
-        cpu_target=binding.get_host_cpu_name(),
-        cpu_count=os.cpu_count() or 1,
-        system=platform.platform(terse=True),
-        python=platform.python_version(),
-        numpy=np.__version__,
-        numba=numba.__version__,
-    )
-
-
 def cpu_model(listing: Path) -> str:
     """Return the processor's name in the ``listing`` of a Linux kernel, or the next best."""
     text = listing.read_text(encoding="utf-8") if listing.exists() else ""
@@ -213,30 +205,39 @@ def cpu_model(listing: Path) -> str:
 # The page for a terminal, 79 columns of ASCII
 
 
-WIDTH = 79
-
-
 def render(figures: Figures) -> str:
     """Return the figures as text."""
     machine = figures.machine
     versions = f"python {machine.python}, numpy {machine.numpy}, numba {machine.numba}"
+    latency, most = figures.latency, figures.latency.ticks_to_effect_most
+    effect = f"{most} tick{'s' * (most != 1)} at most" if most else "none: this boat has no rudder"
+    period = f"{1e3 * latency.tick_s:g} ms"
+    total = sum(size.bytes for size in figures.sizes.values())
+    then = f"   of {figures.memory_1969_words_of_16_bits} words in 1969"
     lines = [
-        *_wrap(figures.vessel),
-        *_wrap(f"{machine.cpu_model} ({machine.cpu_target}), {machine.cpu_count} processors"),
-        *_wrap(f"{machine.system}, {versions}"),
+        *wrap(figures.vessel, "", INDENT),
+        *wrap(
+            f"{machine.cpu_model} ({machine.cpu_target}), {machine.cpu_count} processors",
+            *("", INDENT),
+        ),
+        *wrap(f"{machine.system}, {versions}", "", INDENT),
         *_real_time(figures.real_time),
         *_updates(figures.updates),
-        *_extra_cost(figures.troubled),
+        f"  with a sea, tanks at work and six casualties {figures.troubled.troubled.median_ns:.0f}",
+        f"  ({figures.troubled.times_the_calm:.2f} times the calm one)",
         *_session_cost(figures.attended),
-        *_latency(figures.latency),
-        *_sizes(figures.sizes, figures.memory_1969_words_of_16_bits),
+        *("", f"ORDERS OVER TCP (five subscribers, time x{SPEED:g}: a tick each {period})"),
+        head("  [us]", 16),
+        row("  reply", latency.reply, 16),
+        f"    {latency.orders} orders; from order to effect: {effect}",
+        *("", "RECORDS", f"  {'':<14}{'bytes':>8}{'16-bit words':>14}"),
+        *(
+            f"  {name:<14}{size.bytes:>8}{size.words_of_16_bits:>14}"
+            for name, size in figures.sizes.items()
+        ),
+        f"  {'all':<14}{total:>8}{total // 2:>14}{then}",
     ]
-    return "\n".join(lines).encode("ascii", errors="replace").decode("ascii")
-
-
-def _wrap(text: str) -> list[str]:
-    """Return ``text`` in lines of the page."""
-    return textwrap.wrap(text, WIDTH, subsequent_indent="  ")
+    return plain("\n".join(lines))
 
 
 def _real_time(paced: Iterable[Paced]) -> list[str]:
@@ -245,29 +246,21 @@ def _real_time(paced: Iterable[Paced]) -> list[str]:
     for run in paced:
         duty = f"duty cycle {run.duty_cycle_percent:.4f} %"
         then = f"1969: {run.duty_cycle_1969_percent:g} %, {run.times_less_than_1969:.0f} times that"
-        p99, p999 = _longest(run.samples_from_p99_up), _longest(run.samples_from_p999_up)
+        p99, p999 = (
+            "longest one" if count == 1 else f"{count} longest"
+            for count in (run.samples_from_p99_up, run.samples_from_p999_up)
+        )
         missed = f"overruns {run.overruns}, caught up {run.caught_up}, slipped {run.skipped}"
         lines += [
             f"  step {run.step_s:g} s: {duty} ({then})",
-            f"    {'[us]':<14}{'median':>10}{'99 %':>10}{'99.9 %':>10}{'most':>10}",
-            _spread("work a tick", run.work),
-            _spread("lateness", run.lateness),
+            head("  [us]", 16),
+            row("  work a tick", run.work, 16),
+            row("  lateness", run.lateness, 16),
             f"    {run.ticks} ticks: 99 % rests on the {p99}, 99.9 % on the {p999}",
             f"    {missed}, gaps {run.gaps}",
             f"    duty cycle of as many ticks without the recording {run.unrecorded_percent:.4f} %",
         ]
     return lines
-
-
-def _spread(name: str, spread: Spread) -> str:
-    """Return a row of percentiles [us]."""
-    times = (spread.p50_ns, spread.p99_ns, spread.p999_ns, spread.max_ns)
-    return f"    {name:<14}" + "".join(f"{time / 1e3:>10.1f}" for time in times)
-
-
-def _longest(count: int) -> str:
-    """Return in words so many of the longest."""
-    return "longest one" if count == 1 else f"{count} longest"
 
 
 def _updates(updates: Iterable[Update]) -> list[str]:
@@ -290,14 +283,6 @@ def _updates(updates: Iterable[Update]) -> list[str]:
     ]
 
 
-def _extra_cost(troubled: Troubled) -> list[str]:
-    """Return what sea, tanks and casualties add to an update."""
-    return [
-        f"  with a sea, tanks at work and six casualties {troubled.troubled.median_ns:.0f}",
-        f"  ({troubled.times_the_calm:.2f} times the calm one)",
-    ]
-
-
 def _session_cost(attended: Attended) -> list[str]:
     """Return what a tick of the session costs, by what attends to it."""
     names = ("boat", "bare session", "recorded", "5 subscribers", "a CSV row")
@@ -316,27 +301,3 @@ def _session_cost(attended: Attended) -> list[str]:
             f"{attended.times_the_bare:.2f} times the bare session)"
         ),
     ]
-
-
-def _latency(latency: Latency) -> list[str]:
-    """Return how soon orders over TCP are answered and act."""
-    most = latency.ticks_to_effect_most
-    effect = f"{most} tick{'s' * (most != 1)} at most" if most else "none: this boat has no rudder"
-    period = f"{1e3 * latency.tick_s:g} ms"
-    return [
-        "",
-        f"ORDERS OVER TCP (five subscribers, time x{SPEED:g}: a tick each {period})",
-        f"    {'[us]':<14}{'median':>10}{'99 %':>10}{'99.9 %':>10}{'most':>10}",
-        _spread("reply", latency.reply),
-        f"    {latency.orders} orders; from order to effect: {effect}",
-    ]
-
-
-def _sizes(sizes: dict[str, Size], memory: int) -> list[str]:
-    """Return the sizes of the records."""
-    lines = ["", "RECORDS", f"  {'':<14}{'bytes':>8}{'16-bit words':>14}"]
-    for name, size in sizes.items():
-        lines.append(f"  {name:<14}{size.bytes:>8}{size.words_of_16_bits:>14}")
-    total = sum(size.bytes for size in sizes.values())
-    lines.append(f"  {'all':<14}{total:>8}{total // 2:>14}   of {memory} words in 1969")
-    return lines

@@ -93,6 +93,25 @@ def line() -> Iterator[Line]:
         os.close(ours)
 
 
+@contextlib.contextmanager
+def on_terminal(*words: str) -> Iterator[tuple[Line, "subprocess.Popen[bytes]"]]:
+    """Run the program on a terminal inside the block.
+
+    Yield our end of it and the process.
+    """
+    with line() as screen:
+        terminal = os.open(screen.name, os.O_RDWR | os.O_NOCTTY)
+        with subprocess.Popen(  # noqa: S603  our own program
+            [*TRAINER, *words],
+            stdin=terminal,
+            stdout=terminal,
+            stderr=terminal,
+            env=os.environ | {"TERM": "xterm-256color"},
+        ) as process:
+            os.close(terminal)
+            yield screen, process
+
+
 ORDERS: Final = (("rudder left full", -1.0), ("rudder right full", 1.0))
 RATE: Final = "20"  # [Hz] of the sentences, at most: there is one for each tick
 ANGLE: Final = re.compile(rb"\$INRSA,(-?[0-9]+\.[0-9]+),A[^\n]*\n")
@@ -196,12 +215,8 @@ def lines(figures: EndToEnd) -> list[str]:
         f"FROM HELM TO INSTRUMENT (two serial lines, ticks {figures.step_s:g} s apart)",
         f"  {figures.orders} orders: {found}",
         *(
-            f"  {place * figures.bin_ms:6.0f} ms {count:4} {bar(count / most)}".rstrip()
+            f"  {place * figures.bin_ms:6.0f} ms {count:4} "
+            f"{'#' * math.ceil(WIDEST * (count / most))}".rstrip()
             for place, count in enumerate(figures.histogram)
         ),
     ]
-
-
-def bar(share: float) -> str:
-    """Return a bar of a histogram as long as a ``share`` [-] of the longest."""
-    return "#" * math.ceil(WIDEST * share)

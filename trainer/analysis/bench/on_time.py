@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.analysis.bench.end_to_end import TRAINER, Line, begin_session, line
+from trainer.analysis.bench.end_to_end import begin_session, line, on_terminal
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.io.recording.recording import Recording
@@ -65,7 +65,19 @@ def sail_in_crowd(file: VesselFile, seconds: float) -> Crowd:
         words += ["--line", f"helm={hung.name}", "--listen", "none"]
         words += ["--socket", str(folder / "s"), "--record", str(folder / "run.trainer")]
         words += ["--rrd", str(folder / "run.rrd")] if rerun else []
-        account = run_attended(words, folder, hung, seconds)
+        for wish in WISHES:
+            hung.say(wish)  # and nothing that it brings is ever read
+        with begin_session(words) as session:
+            try:
+                for text in session.stderr or ():  # until stations can join, or it is over
+                    if "listening at" in text:
+                        break
+                with console(folder / "s"):
+                    account, complaint = session.communicate(timeout=seconds + ENDED)
+            finally:
+                session.kill()
+        if session.returncode:
+            raise ConfigError(f"the session among the crowd failed: {complaint.strip()}")
         lateness, ticks = lateness_of(folder / "run.trainer")
     among = (f"{count} busy processes", "a console", "a hung serial line")
     return Crowd(
@@ -78,56 +90,23 @@ def sail_in_crowd(file: VesselFile, seconds: float) -> Crowd:
     )
 
 
-def run_attended(words: list[str], folder: Path, hung: Line, seconds: float) -> str:
-    """Return the account of a session that a console attends, and a line that hangs."""
-    for wish in WISHES:
-        hung.say(wish)  # and nothing that it brings is ever read
-    with begin_session(words) as session:
-        try:
-            await_listening(session)
-            with console(folder / "s"):
-                out, complaint = session.communicate(timeout=seconds + ENDED)
-        finally:
-            session.kill()
-    if session.returncode:
-        raise ConfigError(f"the session among the crowd failed: {complaint.strip()}")
-    return out
-
-
-def await_listening(session: "subprocess.Popen[str]") -> None:
-    """Wait until stations can join a session, or it is over."""
-    for text in session.stderr or ():
-        if "listening at" in text:
-            return
-
-
 @contextlib.contextmanager
 def console(socket: Path) -> Iterator[None]:
     """Keep the instructor's screen open on a terminal inside the block."""
-    with line() as screen:
-        terminal = os.open(screen.name, os.O_RDWR | os.O_NOCTTY)
-        with subprocess.Popen(  # noqa: S603  our own program
-            [*TRAINER, "attach", "--connect", str(socket)],
-            stdin=terminal,
-            stdout=terminal,
-            stderr=terminal,
-            env=os.environ | {"TERM": "xterm-256color"},
-        ) as process:
-            os.close(terminal)
-            looker = threading.Thread(target=look, args=(screen, process))
-            looker.start()
-            try:
-                yield
-            finally:
-                process.kill()
-                looker.join()
+    with on_terminal("attach", "--connect", str(socket)) as (screen, process):
 
+        def look() -> None:
+            while process.poll() is None:  # what it draws is read until it has ended
+                screen.hear(time.monotonic() + 0.2)
+                screen.said = b""
 
-def look(screen: Line, process: "subprocess.Popen[bytes]") -> None:
-    """Read what a screen draws until its process has ended."""
-    while process.poll() is None:
-        screen.hear(time.monotonic() + 0.2)
-        screen.said = b""
+        looker = threading.Thread(target=look)
+        looker.start()
+        try:
+            yield
+        finally:
+            process.kill()
+            looker.join()
 
 
 def lateness_of(recording: Path) -> tuple[Spread, int]:
@@ -211,11 +190,10 @@ def lines(figures: OnTime) -> list[str]:
         row(busy, figures.beside_processes.lateness),
         row(f"  {figures.realtime.granted.split(',')[0]}", figures.realtime.lateness),
     ]
-    rate, head = 1.0 / STEP, f"  {'lateness [us]':<34}{'median':>11}{'99 %':>11}{'99.9 %':>11}"
     return [
         "",
-        f"ON TIME (a loop of {rate:.0f} Hz for {figures.seconds:g} s each)",
-        f"{head}{'most':>11}",
+        f"ON TIME (a loop of {1.0 / STEP:.0f} Hz for {figures.seconds:g} s each)",
+        head("lateness [us]"),
         *rows,
         f"  a session of {crowd.ticks} ticks, {crowd.step_s:g} s apart, among",
         f"  {', '.join(crowd.among)}:",
@@ -224,7 +202,12 @@ def lines(figures: OnTime) -> list[str]:
     ]
 
 
-def row(name: str, spread: Spread) -> str:
+def head(name: str, width: int = 34) -> str:
+    """Return the heading of rows of percentiles."""
+    return f"  {name:<{width}}{'median':>11}{'99 %':>11}{'99.9 %':>11}{'most':>11}"
+
+
+def row(name: str, spread: Spread, width: int = 34) -> str:
     """Return a row of percentiles [us]."""
     times = (spread.p50_ns, spread.p99_ns, spread.p999_ns, spread.max_ns)
-    return f"  {name:<34}" + "".join(f"{time / 1e3:11.1f}" for time in times)
+    return f"  {name:<{width}}" + "".join(f"{time / 1e3:11.1f}" for time in times)

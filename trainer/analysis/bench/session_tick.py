@@ -175,7 +175,10 @@ def time_orders(boat: Boat, seconds: int, progress: Callable[[int], None]) -> La
         steered = helmsman.submit(steer, hub.listen(HOST, 0), period, replies)
         run_to(session, round(seconds / period))
         hub.close(PATIENCE)
-        return Latency(steered.result(), period, replies.spread(), slowest_effect(recording))
+        states = [np.frombuffer(state, STATE)[0] for _, state in recording.states(recording.branch)]
+        given = [each.tick for each in recording.orders(recording.branch) if each.accepted]
+        slowest = max((effect(states[tick:]) for tick in given[:-1]), default=0)
+        return Latency(steered.result(), period, replies.spread(), slowest)
 
 
 def steer(port: int, period: float, replies: Histogram) -> int:
@@ -192,25 +195,15 @@ def steer(port: int, period: float, replies: Histogram) -> int:
                 line.sendall(f"{order_sentence(order, str(tag))}\n".encode("ascii"))
             except OSError:
                 return tag - 1
-            if not any(ends_answer(text, str(tag)) for text in said):
+            answers = ((read(text), str(tag)) for text in said)
+            if not any(
+                a and (a.kind, a.tag) == ("TRA", own) and a.fields[0] != "say" for a, own in answers
+            ):
                 return tag - 1
             if tag:
                 replies.add(time.perf_counter_ns() - begun)
             time.sleep(period * dice.uniform(*PAUSE))
     raise AssertionError
-
-
-def ends_answer(text: str, tag: str) -> bool:
-    """Return whether a line ends the answer to the order of that tag."""
-    found = read(text)
-    return bool(found and (found.kind, found.tag) == ("TRA", tag) and found.fields[0] != "say")
-
-
-def slowest_effect(recording: Recording) -> int:
-    """Return the most ticks until the rudder moved as ordered. 0: there is no such order."""
-    states = [np.frombuffer(state, STATE)[0] for _, state in recording.states(recording.branch)]
-    given = [each.tick for each in recording.orders(recording.branch) if each.accepted]
-    return max((effect(states[tick:]) for tick in given[:-1]), default=0)
 
 
 def effect(states: list[np.void]) -> int:

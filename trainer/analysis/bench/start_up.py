@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from trainer.analysis.bench.end_to_end import TRAINER, line
+from trainer.analysis.bench.end_to_end import TRAINER, on_terminal
 from trainer.boat import compilation
 from trainer.core.cache import cache_folder
 
@@ -88,17 +88,9 @@ def empty_cache() -> Iterator[dict[str, str]]:
 
 def time_to_screen() -> float:
     """Return how long [s] the console took to show its first figures."""
-    with tempfile.TemporaryDirectory(prefix="bench-") as folder, line() as screen:
-        terminal = os.open(screen.name, os.O_RDWR | os.O_NOCTTY)
+    with tempfile.TemporaryDirectory(prefix="bench-") as folder:
         begun = time.perf_counter()
-        with subprocess.Popen(  # noqa: S603
-            [*TRAINER, "run", "--no-record", "--socket", f"{folder}/s"],
-            stdin=terminal,
-            stdout=terminal,
-            stderr=terminal,
-            env=os.environ | {"TERM": "xterm-256color"},
-        ) as process:
-            os.close(terminal)
+        with on_terminal("run", "--no-record", "--socket", f"{folder}/s") as (screen, process):
             found = screen.find(SHOWN, time.monotonic() + PATIENCE)
             taken = time.perf_counter() - begun
             process.terminate()

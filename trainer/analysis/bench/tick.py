@@ -5,6 +5,7 @@ import statistics
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 from trainer.boat import casualties
@@ -31,7 +32,7 @@ class Batches:
     repetitions: int  # in a batch
 
 
-def time_batches(works: Sequence[Callable[[int], None]]) -> list[Batches]:
+def time_batches(works: Sequence[Callable[[int], object]]) -> list[Batches]:
     """Return the cost of one repetition of each of ``works``. Each is called with a count.
 
     Their batches take turns, so that a change of the machine's pace meets them all.
@@ -47,7 +48,7 @@ def time_batches(works: Sequence[Callable[[int], None]]) -> list[Batches]:
     ]
 
 
-def long_enough(work: Callable[[int], None]) -> int:
+def long_enough(work: Callable[[int], object]) -> int:
     """Return a number of repetitions that takes at least a batch's time, also undisturbed.
 
     The best of three tells: neither the compiling of a first call nor an interruption counts.
@@ -58,7 +59,7 @@ def long_enough(work: Callable[[int], None]) -> int:
     return count
 
 
-def time_repetitions(work: Callable[[int], None], count: int) -> int:
+def time_repetitions(work: Callable[[int], object], count: int) -> int:
     """Return the time [ns] that ``count`` repetitions take."""
     start = time.perf_counter_ns()
     work(count)
@@ -128,17 +129,13 @@ def ready(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
 
 def time_update(boat: Boat) -> Update:
     """Return the cost of the core's tick, with and without a call from Python."""
-    vessel, compact, scheme, state, scratch = boat.records
     tick = boat.tick
 
     def call(count: int) -> None:
         for _ in range(count):
             tick()
 
-    def loop(count: int) -> None:
-        take_ticks(vessel, compact, scheme, count, state, scratch)
-
-    called, in_kernel = time_batches([call, loop])
+    called, in_kernel = time_batches([call, partial(in_a_loop, boat.records)])
     method = boat.method
     return Update(
         equations=method.equations,
@@ -161,13 +158,5 @@ def time_troubled(file: VesselFile, way: tuple[str, str, str]) -> Troubled:
     for name in CASUALTIES:
         casualties.insert(troubled, name)
 
-    def loop(boat: Boat) -> Callable[[int], None]:
-        vessel, compact, scheme, state, scratch = boat.records
-
-        def run(count: int) -> None:
-            take_ticks(vessel, compact, scheme, count, state, scratch)
-
-        return run
-
-    calm, worst = time_batches([loop(boat) for boat in boats])
+    calm, worst = time_batches([partial(in_a_loop, boat.records) for boat in boats])
     return Troubled(calm, worst, worst.least_ns / calm.least_ns)

@@ -10,6 +10,7 @@ import signal
 import tempfile
 import threading
 import time
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from trainer import __version__
 from trainer.analysis.bench.end_to_end import begin_session
-from trainer.analysis.bench.on_time import ENDED, count_missed, entry, lateness_of
+from trainer.analysis.bench.on_time import ENDED, count_missed, entry, head, lateness_of, row
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
@@ -186,7 +187,16 @@ def sailing(file: VesselFile, folder: Path, name: str, *words: str) -> Iterator[
     with begin_session(words) as process:
         session = Sailing(process, recording)
         try:
-            session.url = await_start(session, "pages at" if "--web" in words else "listening at")
+            texts, begun = [], "pages at" if "--web" in words else "listening at"
+            for text in process.stderr or ():
+                texts.append(text)
+                if begun in text:
+                    break
+            else:
+                failure = "".join(texts).strip()
+                raise ConfigError(f"the session of the bench failed: {failure}")
+            served = SERVED.search(texts[-1])
+            session.url = served[1] if served else ""
             yield session
             process.send_signal(signal.SIGTERM)
             session.account, told = process.communicate(timeout=ENDED)
@@ -194,17 +204,6 @@ def sailing(file: VesselFile, folder: Path, name: str, *words: str) -> Iterator[
             process.kill()
     if process.returncode:
         raise ConfigError(f"the session of the bench failed: {told.strip()}")
-
-
-def await_start(session: Sailing, words: str) -> str:
-    """Wait until a session has said these words. Return where its pages are, "" for none."""
-    told = []
-    for text in session.process.stderr or ():
-        told.append(text)
-        if words in text:
-            found = SERVED.search(text)
-            return found[1] if found else ""
-    raise ConfigError(f"the session of the bench failed: {''.join(told).strip()}")
 
 
 def ticks_of(session: Sailing, stations: int) -> Ticks:
@@ -227,7 +226,7 @@ def attending(url: str) -> Iterator[None]:
             line.send(order_sentence(f"role {role}", "1"))
             for channel in ROLES[role]:
                 line.send(order_sentence(f"subscribe {channel}", "2"))
-            reader = threading.Thread(target=lambda line=line: read_on(line), daemon=True)
+            reader = threading.Thread(target=deque, args=(line, 0), daemon=True)  # reads all
             reader.start()
             readers.append(reader)
         yield
@@ -242,12 +241,6 @@ def dial(url: str) -> Any:
     where = f"{url.replace('http', 'ws')}/line?version={__version__}"
     how: dict[str, Any] = {"origin": url, "max_queue": None, "close_timeout": 1.0}
     return connect(where, **how)
-
-
-def read_on(line: Any) -> None:
-    """Read a line until it is closed."""
-    for _ in line:
-        pass
 
 
 def look(url: str, browser: str, effort: Effort) -> Looking:
@@ -304,15 +297,8 @@ def lines(figures: Web) -> list[str]:
         f"  order to answer  {answer}, {seen.orders} orders",
         f"  order to pixel   {pixel}: its answer is painted",
         f"  pictures         {seen.pictures:.1f} a second (20); {script}",
-        f"  {'lateness of ticks [us]':<24}{'median':>11}{'99 %':>11}{'99.9 %':>11}{'most':>11}",
-        row("  alone", alone),
-        row(f"  {attended.stations} stations", attended),
+        head("lateness of ticks [us]", 26),
+        row("  alone", alone.lateness, 26),
+        row(f"  {attended.stations} stations", attended.lateness, 26),
         f"  deadlines missed: {missed} with stations (0)",
     ]
-
-
-def row(name: str, ticks: Ticks) -> str:
-    """Return a row of percentiles [us]."""
-    spread = ticks.lateness
-    times = (spread.p50_ns, spread.p99_ns, spread.p999_ns, spread.max_ns)
-    return f"  {name:<24}" + "".join(f"{time / 1e3:11.1f}" for time in times)

@@ -21,7 +21,7 @@ from trainer.analysis.estimate.coefficients import (
     strip_masses,
 )
 from trainer.analysis.estimate.geometry import integral, panels_of_surface
-from trainer.analysis.estimate.uncertainty import Estimate, estimate, outside, rests, thrust_of
+from trainer.analysis.estimate.uncertainty import Estimate, estimate, outside, rests
 from trainer.analysis.gains import design
 from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
@@ -70,54 +70,44 @@ def load(name_or_path: str) -> Hull:
 
 def checked(hull: Hull) -> Hull:
     """Return the hull; ConfigError with all that its shape and its panels forbid."""
-    problems = [*_length_problems(hull), *_mass_problems(hull)]
-    problems += [*_panel_problems(hull), *_propeller_problems(hull)]
+    problems = [*_hull_problems(hull), *_part_problems(hull)]
     if problems:
         raise ConfigError(*problems)
     return hull
 
 
-def _length_problems(hull: Hull) -> Iterator[str]:
-    """Yield that no boat is so slender."""
-    length = hull.file.form.length
+def _hull_problems(hull: Hull) -> Iterator[str]:
+    """Yield that no boat is so slender, and what keeps the mass from being that of this hull."""
+    length, place = hull.file.form.length, hull.file.place
     prime = hull.shape.volume / (0.5 * length**3)
     if prime < MASS_PRIME[0]:
         breadth = float(hull.shape.breadth.max())
         most = length * math.sqrt(prime / MASS_PRIME[0]) / breadth
         told = f"{length / breadth:.0f} breadths, must be at most {most:.0f}: is it in feet?"
-        yield hull.file.place.inside("hull").wrong("length", length, told)
-
-
-def _mass_problems(hull: Hull) -> Iterator[str]:
-    """Yield what keeps the mass from being that of this hull."""
+        yield place.inside("hull").wrong("length", length, told)
     given, displaced = hull.file.mass.mass, hull.file.water.rho * hull.shape.volume
     if given is not None and abs(given / displaced - 1.0) > MASS_SLACK:
         told = (
             f"must be rho V = {displaced:.6g} kg within {MASS_SLACK:.0%}, "
             f"{(1.0 - MASS_SLACK) * displaced:.6g} to {(1.0 + MASS_SLACK) * displaced:.6g} kg"
         )
-        yield hull.file.place.inside("mass").wrong("mass", given, told)
+        yield place.inside("mass").wrong("mass", given, told)
 
 
-def _panel_problems(hull: Hull) -> Iterator[str]:
-    """Yield which panels lie inside the hull, or move more than they have."""
+def _part_problems(hull: Hull) -> Iterator[str]:
+    """Yield which panels lie inside the hull, and what keeps the propeller from driving it."""
     for i, surface in enumerate(hull.file.surfaces):
         place = hull.file.place.inside(f"surfaces[{i}]")
-        panel = next(each for each in panels_of_surface(surface, hull.shape))
+        panel = next(panels_of_surface(surface, hull.shape))
         if panel.span <= 0.0:
             told = f"must be above the hull's radius there, {panel.root:.4g} m"
             yield place.wrong("tip_radius", surface.tip_radius, told)
         elif surface.moving_area is not None and surface.moving_area > panel.area * (1.0 + 1e-9):
             told = f"must be at most the panel's area, {panel.area:.4g} m2"
             yield place.wrong("moving_area", surface.moving_area, told)
-
-
-def _propeller_problems(hull: Hull) -> Iterator[str]:
-    """Yield what keeps the propeller from driving this hull."""
-    p = hull.file.propeller
+    p, place = hull.file.propeller, hull.file.place.inside("propeller")
     if p is None:
         return
-    place = hull.file.place.inside("propeller")
     widest = float(max(hull.shape.breadth.max(), hull.shape.height.max()))
     if p.diameter > widest:
         told = f"must be at most the hull's greatest breadth, {widest:.4g} m"
@@ -145,7 +135,9 @@ def estimate_of(hull: Hull) -> Estimate:
 
 def boat_tables(made: Estimate) -> dict[str, Any]:
     """Return the tables of the vessel, without gains."""
-    hull, drawn = made.hull, made.values
+    hull, given = made.hull, made.hull.file.controls
+    kinds = {panel.control for panel in hull.panels}
+    rate = RATE * math.sqrt(LIKE / hull.ell) if given.rate_deg_s is None else given.rate_deg_s
     return {
         FIRST: "gertler-hagen-2510/1",
         "name": hull.file.name,
@@ -153,11 +145,18 @@ def boat_tables(made: Estimate) -> dict[str, Any]:
         "fluid": {"rho": hull.file.water.rho, "g": GRAVITY},
         "vessel": _body(made),
         "propulsion": _propulsion(made),
-        "control_surfaces": _surfaces(hull),
+        "control_surfaces": {
+            "rudder_limit_deg": given.limit_deg,
+            "stern_plane_limit_deg": given.limit_deg,
+            "bow_plane_limit_deg": given.limit_deg if BOW in kinds else 0.0,
+            "rate_deg_s": digits(min(rate, 1000.0)),
+            "time_constant_s": 0.0,
+            "tail": "x" if X in kinds else "cruciform",
+        },
         "envelope": _envelope(made),
         "run": _run(hull, STEPS[0]),
         **_waves(made),
-        "coefficients": {term.key: digits(drawn[term.key]) for term in COEFFICIENTS},
+        "coefficients": {term.key: digits(made.values[term.key]) for term in COEFFICIENTS},
     }
 
 
@@ -197,7 +196,10 @@ def _propulsion(made: Estimate) -> dict[str, Any]:
             "KT": [*p.KT],
             "KQ": [*p.KQ],
         }
-    rows = [{k: digits(x) for k, x in row.items()} for row in thrust_of(made.values)]
+    rows = [  # ahead, and with the engine astern
+        {"eta_min": least, **{name: digits(made.values[f"{name}{place}"]) for name in "abc"}}
+        for place, least in (("1", 0.0), ("3", -99.0))
+    ]
     for row in rows:  # the sum is zero to the last bit, and the rows join
         row["a"] = -(rows[0]["b"] + rows[0]["c"])
     return {
@@ -210,32 +212,19 @@ def _propulsion(made: Estimate) -> dict[str, Any]:
     }
 
 
-def _surfaces(hull: Hull) -> dict[str, Any]:
-    """Return the limits of rudder and planes."""
-    given = hull.file.controls
-    kinds = {panel.control for panel in hull.panels}
-    rate = RATE * math.sqrt(LIKE / hull.ell) if given.rate_deg_s is None else given.rate_deg_s
-    return {
-        "rudder_limit_deg": given.limit_deg,
-        "stern_plane_limit_deg": given.limit_deg,
-        "bow_plane_limit_deg": given.limit_deg if BOW in kinds else 0.0,
-        "rate_deg_s": digits(min(rate, 1000.0)),
-        "time_constant_s": 0.0,
-        "tail": "x" if X in kinds else "cruciform",
-    }
-
-
 def _envelope(made: Estimate) -> dict[str, Any]:
     """Return what moves the boat beyond the range of its coefficients."""
     hull, s, c = made.hull, made.hull.shape, made.values
     drag = cross_flow_drag(hull) / s.ell**2
     tail = [panel for panel in hull.panels if panel.aft]
     sails = [panel for panel in hull.panels if panel.sail]
-    shares = _hull_shares(made)
+    bare = estimate(Hull(hull.file, s, ()), made.mass).values
+    edges = [s.length * (1.0 - i / WIDE_STRIPS) for i in range(WIDE_STRIPS + 1)]
+    means = [_between(hull, s.breadth, fore, aft) / (aft - fore) for aft, fore in pairwise(edges)]
     table: dict[str, Any] = {
-        "hull_share_horizontal": digits(min(1.0, shares[0] / abs(c["Y_v"]))),
-        "hull_share_vertical": digits(min(1.0, shares[1] / abs(c["Z_w"]))),
-        "strip_width": [digits(width) for width in _strip_widths(hull)],
+        "hull_share_horizontal": digits(min(1.0, abs(bare["Y_v"]) / abs(c["Y_v"]))),
+        "hull_share_vertical": digits(min(1.0, abs(bare["Z_w"]) / abs(c["Z_w"]))),
+        "strip_width": [digits(WIDE_STRIPS * mean / sum(means)) for mean in means],
         "crossflow_y": digits(drag * integral(s.height, s.x)),
         "crossflow_z": digits(drag * integral(s.breadth, s.x)),
     }
@@ -257,21 +246,6 @@ def _envelope(made: Estimate) -> dict[str, Any]:
             "sail_added_mass": digits(hull.file.water.rho * mass),
         }
     return table
-
-
-def _hull_shares(made: Estimate) -> tuple[float, float]:
-    """Return what the bare hull has [-] of Y_v and Z_w."""
-    bare = Hull(made.hull.file, made.hull.shape, ())
-    c = estimate(bare, made.mass).values
-    return abs(c["Y_v"]), abs(c["Z_w"])
-
-
-def _strip_widths(hull: Hull) -> list[float]:
-    """Return the breadths of five equal strips from aft [-], over their mean."""
-    s = hull.shape
-    edges = [s.length * (1.0 - i / WIDE_STRIPS) for i in range(WIDE_STRIPS + 1)]
-    means = [_between(hull, s.breadth, fore, aft) / (aft - fore) for aft, fore in pairwise(edges)]
-    return [WIDE_STRIPS * each / sum(means) for each in means]
 
 
 def _between(hull: Hull, values: Numbers, fore: float, aft: float) -> float:
@@ -324,48 +298,27 @@ def _waves(made: Estimate) -> dict[str, Any]:
     }
 
 
-def _documentation(made: Estimate) -> dict[str, Any]:
-    """Return the table [estimate]: what draws need, and what the reader should know."""
-    return {
-        "by": f"trainer estimate, version {__version__}",
-        "outside": [*outside(made.hull)],
-        "defaulted": [*defaulted(made.hull.file)],
-        "covariance": [[digits(x) for x in row] for row in made.covariance.tolist()],
-        "constants": {name: digits(x) for name, x in made.constants.items()},
-        "sd": {term.key: float(f"{made.sd[term.key]:.3g}") for term in TABLE},
-        "hull": dict(made.hull.file.tables),
-    }
-
-
 def _lines(name: str, table: Mapping[str, Any]) -> Iterator[str]:
     """Yield a table, its values first, then the tables in it."""
-    inner = {k: x for k, x in table.items() if isinstance(x, Mapping) or _is_rows(x)}
+    inner = []
     yield from ("", f"[{name}]")
     for key, value in table.items():
-        if key not in inner:
-            yield from _value_lines(key, value)
-    for key, value in inner.items():
-        where = f"{name}.{format_key(key)}"
+        first = next(iter(value), None) if isinstance(value, list) else value
+        if isinstance(first, Mapping):
+            inner.append((f"{name}.{format_key(key)}", value))
+        elif isinstance(first, list):  # a list of lists has a row a line
+            yield f"{format_key(key)} = ["
+            yield from (f"  {toml_value(row)}," for row in value)
+            yield "]"
+        else:
+            yield f"{format_key(key)} = {toml_value(value)}"
+    for where, value in inner:
         if isinstance(value, Mapping):
             yield from _lines(where, value)
             continue
         for row in value:
             yield from ("", f"[[{where}]]")
             yield from (f"{format_key(k)} = {toml_value(x)}" for k, x in row.items())
-
-
-def _value_lines(key: str, value: Any) -> Iterator[str]:
-    """Yield a value; a list of lists has a row a line."""
-    if isinstance(value, list) and value and isinstance(value[0], list):
-        yield f"{format_key(key)} = ["
-        yield from (f"  {toml_value(row)}," for row in value)
-        yield "]"
-    else:
-        yield f"{format_key(key)} = {toml_value(value)}"
-
-
-def _is_rows(value: object) -> bool:
-    return isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
 
 
 def _coefficient_lines(made: Estimate, values: Mapping[str, float]) -> Iterator[str]:
@@ -396,7 +349,16 @@ def boat_text(made: Estimate, tables: Mapping[str, Any]) -> str:
             lines += _lines(key, value)
         else:
             lines.append(f"{key} = {toml_value(value)}")
-    return "\n".join([*lines, *_lines("estimate", _documentation(made))]) + "\n"
+    documentation = {  # what draws need, and what the reader should know
+        "by": f"trainer estimate, version {__version__}",
+        "outside": [*outside(made.hull)],
+        "defaulted": [*defaulted(made.hull.file)],
+        "covariance": [[digits(x) for x in row] for row in made.covariance.tolist()],
+        "constants": {name: digits(x) for name, x in made.constants.items()},
+        "sd": {term.key: float(f"{made.sd[term.key]:.3g}") for term in TABLE},
+        "hull": dict(made.hull.file.tables),
+    }
+    return "\n".join([*lines, *_lines("estimate", documentation)]) + "\n"
 
 
 @dataclass(frozen=True)
@@ -415,9 +377,11 @@ def write_boat(hull: Hull, path: Path) -> Written:
     tables = boat_tables(made)
     steps = stable_steps(parse_vessel(boat_text(made, tables), path))
     tables["run"] = _run(hull, steps[0] if steps else STEPS[-1])
-    problem = _no_control(hull) or (
-        "" if steps else f"no step of {STEPS[-1]:g} s or longer is stable"
-    )
+    kinds = {panel.control for panel in hull.panels}
+    lacking = [name for name in (RUDDER, STERN) if not {name, X} & kinds]
+    problem = "" if steps else f"no step of {STEPS[-1]:g} s or longer is stable"
+    if lacking:
+        problem = f"no panel has control = {' or '.join(lacking)}"
     for step in [] if problem else steps:
         with_step = {**tables, "run": _run(hull, step)}
         try:
@@ -428,13 +392,6 @@ def write_boat(hull: Hull, path: Path) -> Written:
             problem = problem or wrong.problems[0]
     text = boat_text(made, tables)
     return Written(made, text, parse_vessel(text, path), (problem,))
-
-
-def _no_control(hull: Hull) -> str:
-    """Return which plane nothing steers in, in words, "" if there is none."""
-    kinds = {panel.control for panel in hull.panels}
-    lacking = [name for name in (RUDDER, STERN) if not {name, X} & kinds]
-    return f"no panel has control = {' or '.join(lacking)}" if lacking else ""
 
 
 def stable_steps(file: VesselFile) -> list[float]:

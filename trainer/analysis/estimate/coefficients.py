@@ -7,19 +7,13 @@ known parts, whose factors are fitted to captive and free-running models: ``cons
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from trainer.analysis.estimate.geometry import (
-    Panel,
-    Shape,
-    integral,
-    panels_of,
-    shape_of,
-)
+from trainer.analysis.estimate.geometry import Panel, Shape, integral, panels_of_surface, shape_of
 from trainer.config.hull import BOW, RUDDER, STERN, HullFile, X
 from trainer.config.schema import SMALLEST
 from trainer.core.kernel import Numbers
@@ -79,7 +73,8 @@ class Hull:
 def hull_of(file: HullFile) -> Hull:
     """Return a hull ready to be estimated."""
     shape = shape_of(file)
-    return Hull(file, shape, panels_of(file, shape))
+    panels = (panel for each in file.surfaces for panel in panels_of_surface(each, shape))
+    return Hull(file, shape, tuple(panels))
 
 
 def slope(panel: Panel) -> float:
@@ -444,9 +439,6 @@ def propulsion(hull: Hull, drag: float) -> Values:
     for row in "12":
         found |= {f"a{row}": a, f"b{row}": b, f"c{row}": c}
     return found | {"a3": a, "b3": 0.0, "c3": astern}
-
-
-Part = Callable[[Hull, Constants], Values]
 
 
 def coefficients(hull: Hull, constants: Constants) -> Values:

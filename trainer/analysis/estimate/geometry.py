@@ -55,18 +55,6 @@ def _end_slope(near: float, far: float, rise: float, further: float) -> float:
     return 3.0 * rise if rise * further <= 0.0 and abs(slope) > 3.0 * abs(rise) else slope
 
 
-def _outline(form: Form, x: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-    """Return breadth, height and height of the centre [m] along the hull."""
-    if form.stations:
-        rows = np.array(form.stations)
-        inside = (x >= rows[0, 0]) & (x <= rows[-1, 0])
-        breadth, height = (np.where(inside, smooth(rows[:, 0], rows[:, k], x), 0.0) for k in (1, 2))
-        return breadth, height, smooth(rows[:, 0], rows[:, 3], x)
-    widest = form.breadth or 0.0
-    share = profile(form, x)
-    return widest * share, (form.height or widest) * share, np.zeros_like(x)
-
-
 def profile(form: Form, x: Numbers) -> Numbers:
     """Return breadth over the greatest breadth [-] of a hull of nose, middle and tail."""
     breadth = form.breadth or 0.0
@@ -183,7 +171,15 @@ def shape_of(file: HullFile) -> Shape:
     """Return the bare hull of a file."""
     form = file.form
     x = np.linspace(0.0, form.length, STATIONS)
-    breadth, height, centre = _outline(form, x)
+    if form.stations:
+        rows = np.array(form.stations)
+        inside = (x >= rows[0, 0]) & (x <= rows[-1, 0])
+        breadth, height = (np.where(inside, smooth(rows[:, 0], rows[:, k], x), 0.0) for k in (1, 2))
+        centre = smooth(rows[:, 0], rows[:, 3], x)
+    else:
+        widest, share = form.breadth or 0.0, profile(form, x)
+        breadth, height = widest * share, (form.height or widest) * share
+        centre = np.zeros_like(x)
     fullness = form.section_fullness or FULLNESS[form.section]
     bare = Shape(
         length=form.length,
@@ -276,16 +272,12 @@ class Panel:
         return self.root / self.tip
 
 
-def panels_of(file: HullFile, shape: Shape) -> tuple[Panel, ...]:
-    """Return every panel of a file."""
-    return tuple(panel for surface in file.surfaces for panel in panels_of_surface(surface, shape))
-
-
 def panels_of_surface(surface: Panels, shape: Shape) -> Iterator[Panel]:
     """Yield the panels of one surface."""
     tip_leading = surface.le_tip
     if tip_leading is None:
         tip_leading = surface.le_root + surface.root_chord - surface.tip_chord
+    th = math.acos(2.0 * surface.flap_ratio - 1.0)
     for degrees in surface.angles_deg:
         angle = math.radians(degrees)
         root = root_radius(surface, shape, angle)
@@ -302,7 +294,7 @@ def panels_of_surface(surface: Panels, shape: Shape) -> Iterator[Panel]:
             chords=(surface.root_chord, surface.tip_chord),
             thickness=surface.thickness,
             axis_up=surface.axis_up,
-            share=moving * flap_effect(surface.flap_ratio),
+            share=moving * (1.0 - (th - math.sin(th)) / math.pi),  # of a flap; thin aerofoil
             x_G=shape.x_G,
             aft=False,
         )
@@ -319,9 +311,3 @@ def root_radius(surface: Panels, shape: Shape, angle: float) -> float:
     if a <= 0.0 or b <= 0.0 or surface.axis_up:
         return 0.0
     return 1.0 / math.hypot(math.cos(angle) / a, math.sin(angle) / b)
-
-
-def flap_effect(ratio: float) -> float:
-    """Return the effect [-] of a flap by its chord over the whole; thin aerofoil."""
-    th = math.acos(2.0 * ratio - 1.0)
-    return 1.0 - (th - math.sin(th)) / math.pi

@@ -15,10 +15,9 @@ from trainer.analysis.estimate.geometry import Panel
 from trainer.analysis.estimate.survey import Band, Influence, Survey
 from trainer.analysis.estimate.uncertainty import rests
 from trainer.config.files import as_typed
-from trainer.core.kernel import Numbers
 from trainer.core.terms import TABLE
 from trainer.report.html import embed, page, paragraph, section, table
-from trainer.report.svg import Axis, rect, rule, step_of, svg, text, ticks
+from trainer.report.svg import Axis, rect, rule, scale, svg, text
 from trainer.report.text import figure, plain, wrap
 from trainer.report.text import table as text_table
 
@@ -46,32 +45,24 @@ class Paper:
 
 def draw_hull(hull: Hull) -> Markup:
     """Return the hull from starboard and from above, to one scale, bow to the left."""
-    reach = _reach(hull)
-    scale = (WIDTH - 2.0 * EDGE) / (hull.shape.length + reach[0])
-    parts: list[str] = []
-    top = 0.0
-    for view in ("side", "top"):
-        low, high = reach[1] if view == "side" else reach[2]
+    s, parts, top = hull.shape, [], 0.0
+    corners = np.array([corner for panel in hull.panels for corner in corners_of(panel)])
+    highest = max(float((s.centre + s.height / 2.0).max()), float(corners[:, 1].max()))
+    lowest = min(float((s.centre - s.height / 2.0).min()), float(corners[:, 1].min()))
+    wide = max(float(s.breadth.max()) / 2.0, float(np.abs(corners[:, 2]).max()))
+    aft = max(0.0, float(corners[:, 0].max()) - s.length)  # how far surfaces go beyond the stern
+    px_per_m = (WIDTH - 2.0 * EDGE) / (s.length + aft)
+    for view, low, high in (("side", lowest, highest), ("top", -wide, wide)):
         top += ROOM
-        bottom = top + scale * (high - low)
-        end = EDGE + scale * hull.shape.length
-        paper = Paper(Axis(0.0, hull.shape.length, EDGE, end), Axis(low, high, bottom, top))
+        bottom = top + px_per_m * (high - low)
+        paper = Paper(
+            Axis(0.0, s.length, EDGE, EDGE + px_per_m * s.length), Axis(low, high, bottom, top)
+        )
         title = "From starboard" if view == "side" else "From above, starboard upwards"
         parts += [text("title", EDGE, top - 24.0, f"{title} [m]"), *_view(hull, view, paper)]
-        parts += _scale(paper, bottom)
+        parts += scale(paper.along, bottom + 8.0, 10)
         top = bottom + AXIS
     return svg(f"{hull.file.name} from the side and from above", (WIDTH, top), parts)
-
-
-def _reach(hull: Hull) -> tuple[float, tuple[float, float], tuple[float, float]]:
-    """Return how far surfaces go beyond the stern, and the extent of side and top [m]."""
-    s = hull.shape
-    corners = np.array([corner for panel in hull.panels for corner in corners_of(panel)])
-    aft = max(0.0, float(corners[:, 0].max()) - s.length)
-    high = max(float((s.centre + s.height / 2.0).max()), float(corners[:, 1].max()))
-    low = min(float((s.centre - s.height / 2.0).min()), float(corners[:, 1].min()))
-    wide = max(float(s.breadth.max()) / 2.0, float(np.abs(corners[:, 2]).max()))
-    return aft, (low, high), (-wide, wide)
 
 
 def corners_of(panel: Panel) -> list[tuple[float, float, float]]:
@@ -91,7 +82,10 @@ def _view(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
     half, middle = (
         (s.height / 2.0, s.centre) if view == "side" else (s.breadth / 2.0, 0.0 * s.centre)
     )
-    yield _outline(s.x, middle + half, middle - half, paper)
+    places = [*range(0, len(s.x), EVERY), len(s.x) - 1]
+    over = [paper.point(s.x[i], (middle + half)[i]) for i in places]
+    under = [paper.point(s.x[i], (middle - half)[i]) for i in reversed(places)]
+    yield f'<path class="hull" d="M{"L".join([*over, *under])}Z"/>'
     yield rule("mark", paper.along.begin, paper.up.at(0.0), paper.along.end, paper.up.at(0.0))
     named: set[str] = set()
     for panel in hull.panels:
@@ -101,27 +95,13 @@ def _view(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
         moves = "" if panel.control == "none" else " moves"
         yield f'<path class="panel{moves}" d="M{points}Z"/>'
         if panel.name not in named and abs(panel.normal[k - 1]) > BROAD:
-            named.add(panel.name)
-            yield _name(panel.name, corners, paper)
+            named.add(panel.name)  # above its outline, or before it where the edge is near
+            x = paper.along.at(sum(corner[0] for corner in corners) / 4.0)
+            z = paper.up.at(max(corner[1] for corner in corners))
+            near = x + LETTER * len(panel.name) / 2.0 > WIDTH
+            style, x = ("name end", min(x, WIDTH - 2.0)) if near else ("name middle", x)
+            yield text(style, x, z - 4.0, panel.name)
     yield from _centres(hull, view, paper)
-
-
-def _outline(x: Numbers, above: Numbers, below: Numbers, paper: Paper) -> str:
-    """Return the outline of the hull."""
-    places = [*range(0, len(x), EVERY), len(x) - 1]
-    over = [paper.point(x[i], above[i]) for i in places]
-    under = [paper.point(x[i], below[i]) for i in reversed(places)]
-    return f'<path class="hull" d="M{"L".join([*over, *under])}Z"/>'
-
-
-def _name(name: str, corners: list[tuple[float, float]], paper: Paper) -> str:
-    """Return the name of a surface above its outline, or before it where the edge is near."""
-    x = sum(corner[0] for corner in corners) / 4.0
-    z = max(corner[1] for corner in corners)
-    at = paper.along.at(x)
-    room = LETTER * len(name) / 2.0
-    style = "name end" if at + room > WIDTH else "name middle"
-    return text(style, min(at, WIDTH - 2.0) if "end" in style else at, paper.up.at(z) - 4.0, name)
 
 
 def _centres(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
@@ -138,15 +118,6 @@ def _centres(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
         half = propeller.diameter / 2.0
         x = paper.along.at(s.length)
         yield rule("propeller", x, paper.up.at(half), x, paper.up.at(-half))
-
-
-def _scale(paper: Paper, bottom: float) -> Iterator[str]:
-    """Yield the axis in metres aft of the nose."""
-    y = bottom + 8.0
-    yield rule("axis", paper.along.begin, y, paper.along.end, y)
-    for x in ticks(0.0, paper.along.high, step_of(paper.along.high, 10)):
-        yield rule("axis", paper.along.at(x), y, paper.along.at(x), y + 4.0)
-        yield text("tick middle", paper.along.at(x), y + 16.0, f"{x + 0.0:g}")
 
 
 def draw_bands(bands: tuple[Band, ...]) -> Markup:
@@ -171,26 +142,21 @@ def draw_bands(bands: tuple[Band, ...]) -> Markup:
                 )
         x = across.at(band.value or 0.0)
         parts.append(rule("estimate", x, y - 3.0, x, y + 17.0))
-    bottom = 8.0 + ROW * len(there)
-    parts += _bar_axis(across, bottom, there[0].unit)
-    return svg("Bands of the figures", (BARS_LEFT + BARS_WIDTH + BARS_EDGE, bottom + 24.0), parts)
+    return _bar_chart("Bands of the figures", parts, len(there), across, there[0].unit)
 
 
-def _bar_axis(across: Axis, bottom: float, unit: str) -> Iterator[str]:
-    """Yield the axis of a bar chart."""
-    yield rule("axis", across.begin, bottom, across.end, bottom)
-    for value in ticks(across.low, across.high, step_of(across.high - across.low, 6)):
-        x = across.at(value)
-        yield rule("axis", x, bottom, x, bottom + 4.0)
-        yield text("tick middle", x, bottom + 16.0, f"{value + 0.0:g}")
+def _bar_chart(title: str, parts: list[str], rows: int, across: Axis, unit: str) -> Markup:
+    """Return rows of bars with an axis below, in a division that is small on a narrow screen."""
+    bottom = 8.0 + ROW * rows
+    parts += scale(across, bottom, 6)
     if unit != "-":
-        yield text("tick", across.end + 8.0, bottom + 16.0, unit)
+        parts.append(text("tick", across.end + 8.0, bottom + 16.0, unit))
+    drawn = svg(title, (BARS_LEFT + BARS_WIDTH + BARS_EDGE, bottom + 24.0), parts)
+    return Markup('<div class="bars">{}</div>').format(drawn)
 
 
 def draw_influences(found: tuple[Influence, ...]) -> Markup:
     """Return the effects of inputs on the turn as bars, lower input and higher."""
-    if not found:
-        return Markup()
     most = 100.0 * max(one.size for one in found) or 1.0
     left = BARS_LEFT + 20.0
     across = Axis(-most, most, left, left + BARS_WIDTH - 20.0)
@@ -201,20 +167,18 @@ def draw_influences(found: tuple[Influence, ...]) -> Markup:
         for style, effect, at in (("lower", one.down, y), ("higher", one.up, y + 8.0)):
             ends = sorted((across.at(0.0), across.at(100.0 * (effect or 0.0))))
             parts.append(rect(style, ends[0], at, ends[1] - ends[0], 8.0))
-    bottom = 8.0 + ROW * len(found)
-    parts.append(rule("axis", across.at(0.0), 4.0, across.at(0.0), bottom))
-    parts += _bar_axis(across, bottom, "%")
-    return svg(
-        "What moves the turn most", (BARS_LEFT + BARS_WIDTH + BARS_EDGE, bottom + 24.0), parts
-    )
+    parts.append(rule("axis", across.at(0.0), 4.0, across.at(0.0), 8.0 + ROW * len(found)))
+    return _bar_chart("What moves the turn most", parts, len(found), across, "%")
 
 
 ENOUGH: Final = 40  # draws, of which one lies beyond either end of 95 %
 HEADS: Final = ("", "estimate", "68 %", "95 %")
+INFLUENCE_HEADS: Final = ("input", "value", "changed by", "lower", "higher")
 NOTE: Final = (
     "Bands are of draws of the whole set: first the constants of the method, then each "
     "coefficient. They know nothing of a wrong drawing."
 )
+LEGEND: Final = "Thick: 68 of 100 draws; thin: 95 of 100; line: the estimate. " + NOTE
 
 
 def render(found: Survey, written: Written) -> str:
@@ -225,31 +189,35 @@ def render(found: Survey, written: Written) -> str:
     lines += text_table(HEADS, (band_row(band) for band in found.margins))
     lines += ["", turn_title(found).upper()]
     lines += text_table(HEADS, (band_row(band) for band in found.turn))
-    lines += wrap(NOTE, "  ", "  ")
-    lines += ["", *_influence_lines(found)]
+    lines += [*wrap(NOTE, "  ", "  "), "", "WHAT MOVES THE STEADY DIAMETER MOST [%]"]
+    typed, flies = as_typed(written.file.path), bool(found.influences)
+    lines += (
+        text_table(INFLUENCE_HEADS, map(influence_row, found.influences))
+        if flies
+        else ["  nothing: the boat does not fly this turn"]
+    )
     lines += ["", "DEFAULTED", *wrap(", ".join(found.defaulted) or "nothing")]
     if found.warnings:
         lines += ["", "WARNINGS"]
         lines += [line for each in found.warnings for line in wrap(each)]
-    lines += ["", *_next_lines(found, written)]
-    return "\n".join(lines)
+    lines += ["", f"next: trainer check {typed}"]
+    lines += [f"      trainer manoeuvre turning-circle {typed}"] * flies
+    return "\n".join([*lines, f"      trainer run --vessel {typed}"])
 
 
 def facts(found: Survey) -> list[tuple[str, str]]:
     """Return what there is to know about the boat, each with its name."""
-    critical = {
-        "stern planes": found.critical_speed_kn["stern"],
-        "bow planes": found.critical_speed_kn["bow"],
-    }
-    told = [f"{name} {speed:.2g} kn" for name, speed in critical.items() if speed is not None] or [
-        "none"
+    told = [
+        f"{plane} planes {speed:.2g} kn"
+        for plane, speed in found.critical_speed_kn.items()
+        if speed is not None
     ]
     period = figure(found.roll_period_s, ".3g")
     return [
         ("mass", f"{found.mass_kg:.6g} kg; the hull displaces {found.displaced_kg:.6g} kg"),
         ("step", f"{found.step_s:g} s, the longest that is stable and that the gains hold"),
         ("limits", f"rudder and planes {found.limit_deg:g} deg, {found.rate_deg_s:.3g} deg/s"),
-        ("depth control reverses at", ", ".join(told)),
+        ("depth control reverses at", ", ".join(told) or "none"),
         ("roll period", f"{period} s at {found.speed_kn:g} kn"),
     ]
 
@@ -277,68 +245,36 @@ def influence_row(one: Influence) -> tuple[str, ...]:
     return (one.key, f"{one.value:.4g}{unit}", one.change, down, up)
 
 
-def _influence_lines(found: Survey) -> Iterator[str]:
-    """Yield the inputs that move the turn most."""
-    yield "WHAT MOVES THE STEADY DIAMETER MOST [%]"
-    if not found.influences:
-        yield "  nothing: the boat does not fly this turn"
-        return
-    heads = ("input", "value", "changed by", "lower", "higher")
-    yield from text_table(heads, map(influence_row, found.influences))
-
-
-def _next_lines(found: Survey, written: Written) -> Iterator[str]:
-    """Yield what to type next."""
-    typed = as_typed(written.file.path)
-    yield f"next: trainer check {typed}"
-    if found.influences:
-        yield f"      trainer manoeuvre turning-circle {typed}"
-    yield f"      trainer run --vessel {typed}"
-
-
 def html_page(found: Survey, written: Written) -> str:
     """Return the page with the hull drawn, every coefficient, the bands and what moves them."""
-    hull = written.made.hull
+    drawn = Markup('<div class="wide drawing">{}</div>').format(draw_hull(written.made.hull))
+    warned = [paragraph(each, "bad") for each in found.warnings] or [paragraph("None.")]
+    chapters = {
+        "hull": ("The hull", [drawn, _hull_words(written)]),
+        "warnings": ("Warnings", [Markup().join(warned)]),
+        "figures": (
+            "Stability",
+            [
+                table((), facts(found), "facts"),
+                *_banded(
+                    "Margins of stability; above 0 the boat is stable by itself.", found.margins
+                ),
+            ],
+        ),
+        "turn": ("The turn", _banded(turn_title(found), found.turn)),
+        "inputs": ("What moves the turn", [*_inputs(found)]),
+        "coefficients": ("Coefficients", [*_coefficients(written)]),
+        "defaulted": ("Defaulted", [paragraph(", ".join(found.defaulted))]),
+    }
     return page(
         "estimate.html",
         "guide.css",
         title=found.vessel,
         heading=f"Estimated from its drawing by trainer estimate, version {__version__}",
-        contents=CONTENTS.items(),
-        parts=[
-            section("hull", CONTENTS["hull"], _scrolled(draw_hull(hull)), _hull_words(written)),
-            section("warnings", CONTENTS["warnings"], _warnings(found)),
-            section(
-                "figures", CONTENTS["figures"], table((), facts(found), "facts"), _margins(found)
-            ),
-            section("turn", CONTENTS["turn"], *_turn(found)),
-            section("inputs", CONTENTS["inputs"], *_inputs(found)),
-            section("coefficients", CONTENTS["coefficients"], *_coefficients(written)),
-            section("defaulted", CONTENTS["defaulted"], paragraph(", ".join(found.defaulted))),
-        ],
+        contents=[(name, title) for name, (title, _) in chapters.items()],
+        parts=[section(name, title, *parts) for name, (title, parts) in chapters.items()],
         data=embed(asdict(found)),
     )
-
-
-CONTENTS: Final = {
-    "hull": "The hull",
-    "warnings": "Warnings",
-    "figures": "Stability",
-    "turn": "The turn",
-    "inputs": "What moves the turn",
-    "coefficients": "Coefficients",
-    "defaulted": "Defaulted",
-}
-
-
-def _scrolled(drawn: Markup) -> Markup:
-    """Return a drawing that a narrow screen scrolls instead of shrinking it."""
-    return Markup('<div class="wide drawing">{}</div>').format(drawn)
-
-
-def _bars(drawn: Markup) -> Markup:
-    """Return a bar chart, which is small enough for a narrow screen."""
-    return Markup('<div class="bars">{}</div>').format(drawn)
 
 
 def _hull_words(written: Written) -> Markup:
@@ -353,32 +289,11 @@ def _hull_words(written: Written) -> Markup:
     )
 
 
-def _warnings(found: Survey) -> Markup:
-    """Return the warnings as a list of paragraphs."""
-    told = [paragraph(each, "bad") for each in found.warnings]
-    return Markup().join(told or [paragraph("None.")])
-
-
-def _margins(found: Survey) -> Markup:
-    """Return the margins of stability with their bands."""
-    words = "Margins of stability; above 0 the boat is stable by itself."
-    drawn = _bars(draw_bands(found.margins))
-    return Markup().join(
-        [paragraph(words), table(HEADS, map(band_row, found.margins)), drawn, _legend()]
-    )
-
-
-def _legend() -> Markup:
-    """Return what bars and lines of the bands mean."""
-    return paragraph("Thick: 68 of 100 draws; thin: 95 of 100; line: the estimate. " + NOTE, "soft")
-
-
-def _turn(found: Survey) -> Iterator[Markup]:
-    """Yield the turn with its bands."""
-    yield paragraph(turn_title(found))
-    yield table(HEADS, map(band_row, found.turn))
-    yield _bars(draw_bands(tuple(band for band in found.turn if band.unit == "m")))
-    yield _legend()
+def _banded(words: str, bands: tuple[Band, ...]) -> list[Markup]:
+    """Return figures with their bands, those of the first one's unit drawn."""
+    drawn = tuple(band for band in bands if band.unit == bands[0].unit)
+    rows = table(HEADS, map(band_row, bands))
+    return [paragraph(words), rows, draw_bands(drawn), paragraph(LEGEND, "soft")]
 
 
 def _inputs(found: Survey) -> Iterator[Markup]:
@@ -387,9 +302,8 @@ def _inputs(found: Survey) -> Iterator[Markup]:
         yield paragraph("The boat does not fly this turn.")
         return
     yield paragraph("Change of the steady diameter [%] when one input alone is changed.")
-    heads = ("input", "value", "changed by", "lower", "higher")
-    yield table(heads, map(influence_row, found.influences))
-    yield _bars(draw_influences(found.influences))
+    yield table(INFLUENCE_HEADS, map(influence_row, found.influences))
+    yield draw_influences(found.influences)
     yield paragraph("Upper bar: the input lower; bar under it: higher.", "soft")
 
 

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass, fields, replace
 from itertools import chain
 from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.check import critical_speed, flights, margins
+from trainer.analysis.check import critical_speeds, flights, margins
 from trainer.analysis.estimate.boat_file import (
     STABILITY,
     Written,
@@ -27,7 +27,11 @@ from trainer.config.hull import TABLES, HullFile, Panels, defaulted, read_hull
 from trainer.config.vessel import VesselFile, read_vessel
 from trainer.units import KNOT
 
-MEASURES: Final = ("steady diameter", "tactical diameter", "advance", "steady speed, of the first")
+DIAMETER: Final = "steady diameter"
+MEASURES: Final = {  # unit by name
+    **dict.fromkeys((DIAMETER, "tactical diameter", "advance"), "m"),
+    "steady speed, of the first": "-",
+}
 BANDS: Final = {"68 %": (16.0, 84.0), "95 %": (2.5, 97.5)}
 HALF: Final = 0.5  # of the limit, the rudder in the turn
 RUN: Final = 60.0  # [lengths] of the turn, at its first speed
@@ -94,29 +98,30 @@ class Survey:
     warnings: tuple[str, ...]
 
 
-def unheard(turns: int) -> None:
-    """Take the news and do nothing."""
-    del turns
-
-
 def turns_of(written: Written, draws: int) -> int:
     """Return how many turns a survey flies at most."""
     return 2 + draws + 2 * len(inputs_of(written.made.hull.file))
 
 
-def survey(written: Written, draws: int, heard: Callable[[int], object] = unheard) -> Survey:
+def survey(written: Written, draws: int, heard: Callable[[int], object]) -> Survey:
     """Return what there is to say about a boat, with ``draws`` of its coefficients.
 
     ``heard`` is told how many turns have been flown since it was told last.
     """
     file, hull = written.file, written.made.hull
-    turns = fly_turns(chain([file], _drawn_files(written, draws)), half_rudder(file), heard)
-    drawn = [written.made.draw(number) for number in range(1, draws + 1)]
-    rudder = math.degrees(half_rudder(file))
-    turn = tuple(_turn_bands(turns))
-    bands = tuple(_margin_bands(file, drawn))
-    critical = {plane: critical_speed(file, plane) for plane in ("stern", "bow")}
-    own = {name: None if speed is None else speed / KNOT for name, speed in critical.items()}
+    numbers = range(1, draws + 1)
+    tables = parse_toml(written.text, file.path.name)
+    boats = (
+        read_vessel(drawn_tables(written.made, tables, number), written.text, file.path)
+        for number in numbers
+    )
+    turns = fly_turns(chain([file], boats), half_rudder(file), heard)
+    drawn = [written.made.draw(number) for number in numbers]
+    (flight,) = flights(file, [file.run.start_speed_kn])
+    rolls = (mode.period_s for mode in flight.modes if mode.name.startswith("roll"))
+    flown = [each for each in turns[1:] if each is not None]
+    by_draw = [margins(replace(file, coefficients=c)) for c in drawn]
+    critical = critical_speeds(file)
     return Survey(
         vessel=file.name,
         path=str(file.path),
@@ -125,17 +130,23 @@ def survey(written: Written, draws: int, heard: Callable[[int], object] = unhear
         step_s=file.run.step_s,
         limit_deg=file.surfaces.rudder_limit_deg,
         rate_deg_s=file.surfaces.rate_deg_s,
-        margins=bands,
-        critical_speed_kn=own,
-        roll_period_s=roll_period(file),
+        margins=tuple(
+            _band(name, "-", value, [by_name[name] for by_name in by_draw])
+            for name, value in margins(file).items()
+        ),
+        critical_speed_kn=critical,
+        roll_period_s=next((period for period in rolls if period is not None), None),
         speed_kn=file.run.start_speed_kn,
-        rudder_deg=rudder,
-        turn=turn,
+        rudder_deg=math.degrees(half_rudder(file)),
+        turn=tuple(
+            _band(name, unit, (turns[0] or {}).get(name), [each.get(name) for each in flown])
+            for name, unit in MEASURES.items()
+        ),
         draws=draws,
-        flown=sum(each is not None for each in turns[1:]),
+        flown=len(flown),
         influences=tuple(influences(written, turns[0], heard)),
         defaulted=defaulted(hull.file),
-        warnings=tuple(warnings(written, own)),
+        warnings=tuple(warnings(written, critical)),
     )
 
 
@@ -144,23 +155,8 @@ def half_rudder(file: VesselFile) -> float:
     return math.radians(HALF * file.surfaces.rudder_limit_deg)
 
 
-def roll_period(file: VesselFile) -> float | None:
-    """Return the period of roll [s] at the design speed; None without a swing."""
-    (flight,) = flights(file, [file.run.start_speed_kn])
-    periods = [mode.period_s for mode in flight.modes if mode.name.startswith("roll")]
-    return next((period for period in periods if period is not None), None)
-
-
-def _drawn_files(written: Written, draws: int) -> Iterator[VesselFile]:
-    """Yield the boats of draws, with the gains of the estimate."""
-    path = written.file.path
-    tables = parse_toml(written.text, path.name)
-    for number in range(1, draws + 1):
-        yield read_vessel(drawn_tables(written.made, tables, number), written.text, path)
-
-
 def fly_turns(
-    files: Iterable[VesselFile], rudder: float, heard: Callable[[int], object] = unheard
+    files: Iterable[VesselFile], rudder: float, heard: Callable[[int], object] = int
 ) -> list[dict[str, float] | None]:
     """Return the measures of each boat's turn, None of one that cannot; ``rudder`` in rad."""
     turns = []
@@ -187,39 +183,15 @@ def _fly_turn(file: VesselFile, rudder: float) -> dict[str, float] | None:
     return {name: value for name in MEASURES if (value := told[name]) is not None}
 
 
-def _band(name: str, unit: str, value: float | None, drawn: Sequence[float]) -> Band:
+def _band(name: str, unit: str, value: float | None, drawn: Sequence[float | None]) -> Band:
     """Return a figure with the bands of draws of it."""
-    there = np.array([each for each in drawn if math.isfinite(each)])
+    there = np.array([each for each in drawn if each is not None and math.isfinite(each)])
     bands: dict[str, tuple[float, float] | None] = dict.fromkeys(BANDS)
     if len(there) > 1:
         for band, ends in BANDS.items():
             low, high = np.percentile(there, ends)
             bands[band] = (float(low), float(high))
     return Band(name, unit, value, bands)
-
-
-def _margin_bands(file: VesselFile, drawn: Sequence[Mapping[str, float]]) -> Iterator[Band]:
-    """Yield both margins of stability."""
-    mass = file.hull.mass / (0.5 * file.fluid.rho * file.hull.length**3)
-    for name, value in margins(file).items():
-        yield _band(name, "-", value, [_margin(c, mass, name) for c in drawn])
-
-
-def _margin(c: Mapping[str, float], mass: float, name: str) -> float:
-    """Return one margin [-] of a draw."""
-    if name == "Gv":
-        above, below = c["M_w"] * (c["Z_q"] + mass), c["Z_w"] * c["M_q"]
-    else:
-        above, below = c["N_v"] * (c["Y_r"] - mass), c["Y_v"] * c["N_r"]
-    return 1.0 - above / below if below else math.nan
-
-
-def _turn_bands(turns: Sequence[dict[str, float] | None]) -> Iterator[Band]:
-    """Yield the figures of the turn, the estimate first."""
-    own = turns[0] or {}
-    for name in MEASURES:
-        drawn = [each[name] for each in turns[1:] if each is not None and name in each]
-        yield _band(name, "m" if name[0] != "s" or "dia" in name else "-", own.get(name), drawn)
 
 
 @dataclass(frozen=True)
@@ -308,27 +280,28 @@ def influences(
     written: Written, turn: dict[str, float] | None, heard: Callable[[int], object]
 ) -> list[Influence]:
     """Return the ten inputs that move the steady diameter most."""
-    own = (turn or {}).get(MEASURES[0])
+    own = (turn or {}).get(DIAMETER)
     if own is None:
         return []
-    file, found = written.made.hull.file, []
+    file = written.made.hull.file
     wanted = [(one, sign) for one in inputs_of(file) for sign in (-1.0, 1.0)]
-    boats, flown = [written.file], []
-    for one, sign in wanted:
-        boat = _changed_boat(written, one, sign)
-        if boat is not None:
-            boats.append(boat)
-            flown.append((one, sign))
-    turns = fly_turns(boats, half_rudder(written.file), heard)
+    boats = {each: boat for each in wanted if (boat := _changed_boat(written, *each)) is not None}
+    turns = fly_turns([written.file, *boats.values()], half_rudder(written.file), heard)
     effect: dict[Input, dict[float, float]] = {}
-    for (one, sign), each in zip(flown, turns[1:], strict=True):
-        if each is not None and MEASURES[0] in each:
-            effect.setdefault(one, {})[sign] = each[MEASURES[0]] / own - 1.0
-    for one, by_sign in effect.items():
-        change = f"{SHIFT * file.length:.3g} m" if one.place else f"{CHANGE:.0%}"
-        found.append(
-            Influence(one.key, one.value, one.unit, change, by_sign.get(-1.0), by_sign.get(1.0))
+    for (one, sign), each in zip(boats, turns[1:], strict=True):
+        if each is not None and DIAMETER in each:
+            effect.setdefault(one, {})[sign] = each[DIAMETER] / own - 1.0
+    found = [
+        Influence(
+            one.key,
+            one.value,
+            one.unit,
+            f"{SHIFT * file.length:.3g} m" if one.place else f"{CHANGE:.0%}",
+            by_sign.get(-1.0),
+            by_sign.get(1.0),
         )
+        for one, by_sign in effect.items()
+    ]
     return sorted(found, key=lambda each: -each.size)[:MOST_INPUTS]
 
 

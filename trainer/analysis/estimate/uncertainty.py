@@ -7,7 +7,7 @@ boats that nobody built: N_v, N_r and Y_v move together.
 
 import math
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -77,10 +77,10 @@ def outside(hull: Hull) -> tuple[str, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _scales(hull: Hull, c: Mapping[str, float], mass: float) -> dict[str, float]:
-    """Return what deviations are shares of [-]."""
+def deviations(hull: Hull, c: Mapping[str, float], mass: float) -> dict[str, float]:
+    """Return the standard deviation [-] of each of the 131 coefficients; ``mass`` in kg."""
     bare = bare_masses(hull, fitted()["added_mass"])
-    return {
+    scales = {  # what deviations are shares of [-]
         **{key: abs(value) for key, value in c.items()},
         "mass": 2.0 * mass / (hull.file.water.rho * hull.ell**3),
         "munk_y": bare["X_udot"] - bare["Y_vdot"],
@@ -88,11 +88,6 @@ def _scales(hull: Hull, c: Mapping[str, float], mass: float) -> dict[str, float]
         "larger": max(abs(c["Y_vdot"]), abs(c["Z_wdot"])),
         "turning": max(abs(c["N_rdot"]), abs(c["M_qdot"])),
     }
-
-
-def deviations(hull: Hull, c: Mapping[str, float], mass: float) -> dict[str, float]:
-    """Return the standard deviation [-] of each of the 131 coefficients; ``mass`` in kg."""
-    scales = _scales(hull, c, mass)
     wide = 2.0 if outside(hull) else 1.0
     found = {}
     for rule in tables()["deviation"]:
@@ -169,7 +164,7 @@ class Estimate:
         normals = deviates(number, len(self.names) + len(TABLE))
         logarithms = self.root @ normals[: len(self.names)]
         i = self.names.index("resistance")
-        if self.small_craft and logarithms[i] > 0.0:
+        if self.hull.ell < SMALL_CRAFT and logarithms[i] > 0.0:
             of = tables()["unfitted"]
             logarithms[i] *= of["openings"] / of["resistance"]
         changed, own = self._changed(logarithms), normals[len(self.names) :]
@@ -190,11 +185,6 @@ class Estimate:
         if key in ONE_SIGN and drawn * value < LEAST * value * value:
             return LEAST * value
         return drawn
-
-    @property
-    def small_craft(self) -> bool:
-        """Return whether openings may add much to the drag."""
-        return self.hull.ell < SMALL_CRAFT
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,30 +295,19 @@ def _rows(rows: object, count: int, place: Place) -> Numbers:
     return found
 
 
-def thrust_of(drawn: Mapping[str, float]) -> Iterator[dict[str, float]]:
-    """Yield the thrust rows of a vessel file: ahead, and with the engine astern."""
-    for row, least in (("1", 0.0), ("3", -99.0)):
-        yield {"eta_min": least, **{name: drawn[f"{name}{row}"] for name in "abc"}}
-
-
-def _drawn_row(
-    row: Mapping[str, Any], estimated: Mapping[str, float], drawn: Mapping[str, float]
-) -> dict[str, Any]:
-    """Return a thrust row of the file in the ratio of a draw to the estimate."""
-    place = "1" if row["eta_min"] >= 0.0 else "3"
-    ratios = {
-        name: drawn[f"{name}{place}"] / estimated[f"{name}{place}"]
-        for name in "abc"
-        if estimated[f"{name}{place}"] != 0.0
-    }
-    return {**row, **{name: row[name] * ratio for name, ratio in ratios.items()}}
-
-
 def drawn_tables(made: Estimate, table: Mapping[str, Any], number: int) -> dict[str, Any]:
     """Return the tables of a vessel with a draw of its coefficients in them."""
     drawn = made.draw(number)
     own = {key: value for key, value in drawn.items() if key not in THRUST}
-    rows = [_drawn_row(row, made.estimated, drawn) for row in table["propulsion"]["sets"]]
+    rows = []
+    for row in table["propulsion"]["sets"]:  # in the ratio of the draw to the estimate
+        keys = {name: f"{name}{'1' if row['eta_min'] >= 0.0 else '3'}" for name in "abc"}
+        ratios = {
+            name: drawn[key] / made.estimated[key]
+            for name, key in keys.items()
+            if made.estimated[key] != 0.0
+        }
+        rows.append({**row, **{name: row[name] * ratio for name, ratio in ratios.items()}})
     return {
         **table,
         "coefficients": own,

@@ -18,6 +18,7 @@ Their slopes, with z' = w - u0 theta, make the cubic a quartic, and enter the de
 Polynomials and roots as a page for a terminal, and as a root locus over speed.
 """
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
@@ -36,7 +37,7 @@ from trainer.core.autopilot.report_law import (
 )
 from trainer.core.vessel import vessel_record
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, figure, root_text, table, wrap
+from trainer.report.text import INDENT, figure, part, root_text, table, wrap
 from trainer.units import KNOT
 
 VERTICAL: Final = ("w", "q", "theta")
@@ -246,26 +247,23 @@ class Report:
     remarks: tuple[str, ...]
 
 
-def root(mode: Mode) -> Root:
-    """Return a mode as EC140 prints it."""
-    size = abs(mode.eigenvalue)
-    ratio = -mode.real / size if size > 0.0 else 0.0
-    return Root(mode.name, mode.real, mode.imaginary, size, ratio, mode.period, mode.stable)
-
-
 def motion(linear: Linear) -> Motion:
     """Return polynomial and roots, by motion and then fastest first.
 
     Where depth is one of the motions all is pitch and depth: its roots have the name ``depth``.
     """
-    found = modes(linear.nature, linear.names) if "z" not in linear.names else _depth_modes(linear)
-    return Motion(linear.polynomial, tuple(root(mode) for mode in found))
-
-
-def _depth_modes(linear: Linear) -> list[Mode]:
-    """Return the modes of motions with z, fastest first."""
-    values = sorted(linear.eigenvalues, key=lambda value: -abs(value))
-    return [Mode("depth", float(s.real), float(s.imag)) for s in values if s.imag >= 0.0]
+    if "z" not in linear.names:
+        found = modes(linear.nature, linear.names)
+    else:  # fastest first
+        values = sorted(linear.eigenvalues, key=lambda value: -abs(value))
+        found = [Mode("depth", float(s.real), float(s.imag)) for s in values if s.imag >= 0.0]
+    roots = []
+    for mode in found:
+        size = abs(mode.eigenvalue)
+        ratio = -mode.real / size if size > 0.0 else 0.0
+        numbers = (mode.real, mode.imaginary, size, ratio, mode.period)
+        roots.append(Root(mode.name, *numbers, mode.stable))
+    return Motion(linear.polynomial, tuple(roots))
 
 
 def characteristic(
@@ -278,29 +276,23 @@ def characteristic(
     """
     require_covered(file, depth)
     speeds = tuple(speeds)
-    bow = bow_sign(file)
+    lift = file.coefficients["Z_db"]  # 0: the bow planes have no lift, else its sign helps
+    bow = math.copysign(1.0, lift) if lift else 0.0
     near = () if depth is None else tuple(surface_at(file, at * KNOT, depth) for at in speeds)
     return Report(
         vessel=file.name,
         means=means._asdict(),
         bow_sign=bow,
-        speeds=tuple(at_speed(file, knots, means, bow, depth) for knots in speeds),
+        speeds=tuple(_at_speed(file, knots, means, bow, depth) for knots in speeds),
         depth_m=depth,
         surface=near,
         remarks=surface_remarks(file, depth),
     )
 
 
-def bow_sign(file: VesselFile) -> float:
-    """Return the depth law's helpful sign on the bow planes. 0: they have no lift."""
-    lift = file.coefficients["Z_db"]
-    return (1.0 if lift > 0.0 else -1.0) if lift else 0.0
-
-
-def at_speed(
+def _at_speed(
     file: VesselFile, knots: float, means: Means, bow: float, depth: float | None
 ) -> Speed:
-    """Return polynomials and roots at one speed, in deep water or at a ``depth`` [m]."""
     speed = knots * KNOT
     down, loop = vertical(file, speed, means), depth_loop(file, speed, 1.0, bow)
     if depth is not None:
@@ -321,35 +313,21 @@ SIDEWAYS: Final = ("Y_v", "K_v", "N_v", "Y_p", "K_p", "N_r")
 HEADS: Final = ("", "root\n[1/s]", "|s|\n[rad/s]", "damping\nratio", "period\n[s]", "")
 
 
-def _row(root: Root) -> tuple[str, ...]:
-    """Return one root as a line of the table."""
-    return (
-        root.name,
-        root_text(root.real, root.imaginary),
-        f"{root.frequency_rad_s:.5f}",
-        f"{root.damping_ratio:+.3f}",
-        figure(root.period_s, ".1f"),
-        "" if root.stable else "NOT STABLE",
-    )
-
-
-def _motion(title: str, motion: Motion) -> list[str]:
+def _motion_lines(title: str, motion: Motion) -> list[str]:
     """Return the polynomial and roots of one plane of motion."""
     factors = " ".join(f"{factor:.6g}" for factor in motion.polynomial)
-    rows = [_row(root) for root in motion.roots]
-    return [f"{INDENT}{title}", f"{INDENT}  {factors}", *table(HEADS, rows, 2 * INDENT)]
-
-
-def _speed(speed: Speed) -> list[str]:
-    """Return all that is said about one speed."""
-    down = "cubic in s" if len(speed.vertical.polynomial) == 4 else "with depth, quartic in s"
-    return [
-        "",
-        f"{speed.speed_kn:.4g} kn",
-        *_motion(f"vertical plane, EC140: {down}, highest power first [SI]", speed.vertical),
-        *_motion("horizontal plane, EC200: quartic in s", speed.horizontal),
-        *_motion("depth kept by the autopilot of 1969: quartic in s", speed.depth_loop),
+    rows = [
+        (
+            root.name,
+            root_text(root.real, root.imaginary),
+            f"{root.frequency_rad_s:.5f}",
+            f"{root.damping_ratio:+.3f}",
+            figure(root.period_s, ".1f"),
+            "" if root.stable else "NOT STABLE",
+        )
+        for root in motion.roots
     ]
+    return [f"{INDENT}{title}", f"{INDENT}  {factors}", *table(HEADS, rows, 2 * INDENT)]
 
 
 def _quasi_linear_or_none(report: Report) -> list[str]:
@@ -386,23 +364,34 @@ def surface_lines(depth: float | None, surface: Iterable[Surface]) -> list[str]:
         )
         for one in surface
     ]
-    return ["", f"THE SURFACE AT {depth:g} m (added to deep water)", *table(heads, rows)]
+    return part(f"THE SURFACE AT {depth:g} m (added to deep water)", heads, rows)
 
 
 def render(report: Report) -> str:
     """Return the report as text."""
-    signs = {1.0: "with the stern planes", -1.0: "against the stern planes", 0.0: "not used"}
+    bow = {
+        1.0: "in the depth loop the bow planes move with the stern planes",
+        -1.0: "in the depth loop the bow planes move against the stern planes",
+        0.0: "no bow planes in the depth loop",
+    }
     lines = [
         report.vessel,
-        f"{INDENT}speed frozen; in the depth loop the bow planes move {signs[report.bow_sign]}"
-        if report.bow_sign
-        else f"{INDENT}speed frozen; no bow planes in the depth loop",
+        f"{INDENT}speed frozen; {bow[report.bow_sign]}",
         *(line for text in report.remarks for line in wrap("remark: " + text)),
         *surface_lines(report.depth_m, report.surface),
         *_quasi_linear_or_none(report),
     ]
     for speed in report.speeds:
-        lines += _speed(speed)
+        cubic = len(speed.vertical.polynomial) == 4
+        down = "cubic in s" if cubic else "with depth, quartic in s"
+        lines += [
+            *("", f"{speed.speed_kn:.4g} kn"),
+            *_motion_lines(
+                f"vertical plane, EC140: {down}, highest power first [SI]", speed.vertical
+            ),
+            *_motion_lines("horizontal plane, EC200: quartic in s", speed.horizontal),
+            *_motion_lines("depth kept by the autopilot of 1969: quartic in s", speed.depth_loop),
+        ]
     return "\n".join(lines)
 
 

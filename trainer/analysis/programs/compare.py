@@ -24,7 +24,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.report.columns import DEPTH_COLUMNS, page_unit
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, WIDTH, cut, table, wrap
+from trainer.report.text import INDENT, WIDTH, cut, figure, table, wrap
 
 UNTIL: Final = 120.0  # [s]
 ALLOWED: Final = 5.0  # [%]
@@ -77,11 +77,6 @@ class Comparison:
     event_s: float = 0.0  # by how much the first event lies apart, at most a step; 0: by none
 
 
-def percent_change(change_full: float, change_reduced: float) -> float:
-    """Return 100 (D_full - D_reduced)/D_full; the full change must not be zero."""
-    return 100.0 * (change_full - change_reduced) / change_full
-
-
 def compare(
     full: Series,
     reduced: Series,
@@ -105,11 +100,10 @@ def compare(
     points: list[Point] = []
     unchanged = []
     for name in names:
-        found = _points(name, (changes(full, name, end), changes(reduced, name, end)), allowed)
-        if event:
-            worth = event * _fastest(changes(full, name, end))
-            found = [_excuse(point, allowed, worth) for point in found]
-        points += found
+        run = changes(full, name, end)
+        found = _points(name, (run, changes(reduced, name, end)), allowed)
+        worth = event * float(abs(np.diff(run[1]) / np.diff(run[0])).max())  # at its fastest
+        points += [_excuse(point, allowed, worth) if event else point for point in found]
         if not found:
             unchanged.append(name)
     return Comparison(
@@ -129,14 +123,8 @@ def _excuse(point: Point, allowed: float, worth: float) -> Point:
     if not point.judged:
         return point
     most = abs(point.change_full) * allowed / 100.0 + worth
-    enough = abs(point.change_full - point.change_reduced) <= most
-    by_event = enough and not point.passed
+    by_event = abs(point.change_full - point.change_reduced) <= most and not point.passed
     return replace(point, event_worth=worth, passed=point.passed or by_event, by_event=by_event)
-
-
-def _fastest(run: Numbers) -> float:
-    """Return the largest rate of change [1/s]."""
-    return float(abs(np.diff(run[1]) / np.diff(run[0])).max())
 
 
 def event_apart(full: Series, reduced: Series) -> float:
@@ -194,7 +182,8 @@ def _points(name: str, runs: tuple[Numbers, Numbers], allowed: float) -> list[Po
         # the same sense in the reduced run, whenever that is
         there = int(np.argmax(math.copysign(1.0, full[1, place]) * reduced[1]))
         found.append(_point(name, "extreme", full[:, place], reduced[:, there], allowed))
-    is_steady = _steady(full)
+    last = full[1, full[0] >= (1.0 - STEADY_SHARE) * full[0, -1]]
+    is_steady = bool(np.ptp(last) <= STEADY_SPREAD * abs(full[1, -1]))
     label = "steady" if is_steady else "at the end"
     ending = _point(name, label, full[:, -1], reduced[:, -1], allowed)
     if abs(ending.change_full) < MINOR * largest or (is_extreme and not is_steady):
@@ -202,16 +191,10 @@ def _points(name: str, runs: tuple[Numbers, Numbers], allowed: float) -> list[Po
     return [*found, ending]
 
 
-def _steady(run: Numbers) -> bool:
-    """Return whether the last part of a run changes by little of its change."""
-    last = run[1, run[0] >= (1.0 - STEADY_SHARE) * run[0, -1]]
-    return bool(np.ptp(last) <= STEADY_SPREAD * abs(run[1, -1]))
-
-
 def _point(name: str, point: str, full: Numbers, reduced: Numbers, allowed: float) -> Point:
     """Return both runs at one reference point, each (time, change), judged."""
     by_full, by_reduced = float(full[1]), float(reduced[1])
-    percent = percent_change(by_full, by_reduced) if by_full != 0.0 else None
+    percent = 100.0 * (by_full - by_reduced) / by_full if by_full != 0.0 else None
     return Point(
         variable=name,
         point=point,
@@ -228,26 +211,24 @@ def _point(name: str, point: str, full: Numbers, reduced: Numbers, allowed: floa
 HEADS: Final = ("", "", "t full\n[s]", "t other\n[s]", "full", "other", "percent", "")
 
 
-def _row(point: Point) -> tuple[str, ...]:
-    """Return one point as a line of the table."""
-    factor, name = page_unit(point.variable)
-    verdict = "BEYOND" if not point.passed else ("within" if point.judged else "")
-    verdict = "a step" if point.by_event else verdict
-    return (
-        f"{point.variable} [{name}]",
-        point.point,
-        f"{point.t_full:.1f}",
-        f"{point.t_reduced:.1f}",
-        f"{factor * point.change_full:+.4g}",
-        f"{factor * point.change_reduced:+.4g}",
-        "-" if point.percent is None else f"{point.percent:+.2f}",
-        verdict,
-    )
-
-
 def render(report: Comparison) -> str:
     """Return the report as text."""
     room = WIDTH - len("  other ")
+    rows = []
+    for point in report.points:
+        factor, unit = page_unit(point.variable)
+        verdict = "within" if point.judged else ""
+        verdict = "a step" if point.by_event else verdict if point.passed else "BEYOND"
+        rows.append(
+            (
+                f"{point.variable} [{unit}]",
+                point.point,
+                *(f"{t:.1f}" for t in (point.t_full, point.t_reduced)),
+                *(f"{factor * by:+.4g}" for by in (point.change_full, point.change_reduced)),
+                figure(point.percent, "+.2f"),
+                verdict,
+            )
+        )
     lines = [
         "PERCENT CHANGE OF CHANGE (ZC590, ZC691)",
         f"{INDENT}full  {cut(report.full, room)}",
@@ -255,7 +236,7 @@ def render(report: Comparison) -> str:
         f"{INDENT}changes since the start, over {report.until_s:g} s; 100 (full - other)/full",
     ]
     if report.points:
-        lines += ["", *table(HEADS, [_row(point) for point in report.points])]
+        lines += ["", *table(HEADS, rows)]
     if report.unchanged:
         names = ", ".join(report.unchanged)
         lines += wrap(f"too little change in the full run to compare: {names}")

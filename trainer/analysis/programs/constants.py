@@ -18,7 +18,7 @@ from trainer.core.ballast.tanks import BANKS, BLOWN, PUMPS, TANKS
 from trainer.core.kernel import Record
 from trainer.core.terms import EXTRA_TERMS, KEPT, TABLE
 from trainer.core.vessel import GAINS, INVERTED
-from trainer.report.text import INDENT, cut, table, wrap
+from trainer.report.text import INDENT, cut, part, wrap
 
 FILE, DEFAULT, DERIVED, ABSENT = "file", "default", "derived", "absent"
 # of rho/2 L^power, whatever the term multiplies, since angles have no unit
@@ -217,10 +217,7 @@ class Report:
     compact: tuple[Compact, ...]
 
 
-@lru_cache(maxsize=2)
-def _tables(text: str) -> Mapping[str, Any]:
-    """Return the tables of a vessel file, parsed once for all of its keys."""
-    return tomllib.loads(text)
+_tables = lru_cache(maxsize=2)(tomllib.loads)  # of a vessel file, parsed once for all of its keys
 
 
 def origin_of(file: VesselFile, key: str) -> str:
@@ -234,55 +231,21 @@ def origin_of(file: VesselFile, key: str) -> str:
     return DEFAULT if defaulted else ABSENT
 
 
-def _origin(file: VesselFile, source: Source) -> tuple[str, str]:
-    """Return where a constant comes from, and the key, or what it is derived from."""
-    if source.key.startswith("= "):
-        return DERIVED, source.key.removeprefix("= ")
-    return origin_of(file, source.key), source.key
-
-
-def _rows(record: Record, symbol: str) -> tuple[tuple[float, ...], ...]:
-    """Return a number, or what is in use of an array of any shape, in rows."""
-    numbers = np.asarray(record[symbol][0], float)
-    rows = numbers.reshape(-1, numbers.shape[-1]) if numbers.ndim else numbers.reshape(1, 1)
-    counts = COUNTS.get(symbol, ("", ""))
-    high, wide = (int(record[name][0]) if name else None for name in counts)
-    return tuple(tuple(map(float, row[:wide])) for row in rows[:high])
-
-
 def _constants(
     file: VesselFile, record: Record, sources: Mapping[str, Source]
 ) -> tuple[Constant, ...]:
     """Return the constants of a group."""
-    return tuple(
-        Constant(
-            symbol,
-            source.unit,
-            _rows(record, symbol),
-            PLACES.get(symbol, ()),
-            *_origin(file, source),
-        )
-        for symbol, source in sources.items()
-    )
-
-
-def _coefficients(file: VesselFile, record: Record) -> Iterator[Coefficient]:
-    """Yield the 131 coefficients of the full set."""
-    scale = {power: 0.5 * file.fluid.rho * file.hull.length**power for power in DIMENSIONS}
-    for term in TABLE:
-        value = float(record[term.key][0])
-        key = f"coefficients.{term.key}"
-        if term.key not in file.coefficients:
-            key = "propulsion.sets"
-        yield Coefficient(
-            term.key,
-            term.mnemonic,
-            value / scale[term.power],
-            value,
-            DIMENSIONS[term.power],
-            origin_of(file, key),
-            key,
-        )
+    found = []
+    for symbol, (unit, key) in sources.items():
+        origin = DERIVED if key.startswith("= ") else origin_of(file, key)
+        values = np.asarray(record[symbol][0], float)
+        rows = values.reshape(-1, values.shape[-1]) if values.ndim else values.reshape(1, 1)
+        counts = COUNTS.get(symbol, ("", ""))  # of rows and columns in use
+        high, wide = (int(record[name][0]) if name else None for name in counts)
+        numbers = tuple(tuple(map(float, row[:wide])) for row in rows[:high])
+        places = PLACES.get(symbol, ())
+        found.append(Constant(symbol, unit, numbers, places, origin, key.removeprefix("= ")))
+    return tuple(found)
 
 
 def _compact(file: VesselFile) -> Iterator[Compact]:
@@ -311,26 +274,20 @@ def constants(file: VesselFile) -> Report:
     rows = _sources("-", eta_1="propulsion.sets", eta_2="propulsion.sets")
     rows |= _sources("-", eta_whole="propulsion.eta_speed")
     groups["LIMITS OF THE THRUST ROWS"] = _constants(file, record, rows)
+    coefficients = []
+    for term in TABLE:
+        value = float(record[term.key][0])
+        key = f"coefficients.{term.key}" if term.key in file.coefficients else "propulsion.sets"
+        prime = value / (0.5 * file.fluid.rho * file.hull.length**term.power)
+        unit, origin = DIMENSIONS[term.power], origin_of(file, key)
+        coefficients.append(Coefficient(term.key, term.mnemonic, prime, value, unit, origin, key))
     return Report(
         vessel=file.name,
         path=str(file.path),
         groups=groups,
-        coefficients=tuple(_coefficients(file, record)),
+        coefficients=tuple(coefficients),
         compact=tuple(_compact(file)),
     )
-
-
-def _array(constant: Constant) -> list[str]:
-    """Return an array: a row a line, or a number a line where its places have names."""
-    head = f"{constant.symbol} [{constant.unit}]  {constant.origin}  {constant.key}"
-    lines = [f"{INDENT}{head}"]
-    rows = constant.values
-    if constant.places:
-        columns = zip(constant.places, zip(*rows, strict=True), strict=True)
-        named = [f"{place}: " + " ".join(map(_number, column)) for place, column in columns]
-    else:
-        named = [" ".join(map(_number, row)) for row in rows]
-    return [*lines, *(line for text in named for line in wrap(text, 2 * INDENT, 4 * INDENT))]
 
 
 def _number(value: float) -> str:
@@ -338,39 +295,42 @@ def _number(value: float) -> str:
     return f"{value:.9g}"
 
 
-def _group(title: str, found: tuple[Constant, ...]) -> list[str]:
-    """Return a group: its single numbers as a table, then its arrays."""
-    single = [one for one in found if len(one.values) == 1 == len(one.values[0])]
-    rows = [
-        (one.symbol, _number(one.values[0][0]), one.unit, one.origin, cut(one.key, 25))
-        for one in single
-    ]
-    lines = ["", title, *table(("", "value", "unit", "from", ""), rows)]
-    for one in found:
-        if one not in single:
-            lines += _array(one)
-    return lines
+def _array(constant: Constant) -> Iterator[str]:
+    """Yield an array: a row a line, or a number a line where its places have names."""
+    yield f"{INDENT}{constant.symbol} [{constant.unit}]  {constant.origin}  {constant.key}"
+    rows = [" ".join(map(_number, row)) for row in constant.values]
+    if constant.places:
+        columns = zip(constant.places, zip(*constant.values, strict=True), strict=True)
+        rows = [f"{place}: " + " ".join(map(_number, column)) for place, column in columns]
+    for text in rows:
+        yield from wrap(text, 2 * INDENT, 4 * INDENT)
 
 
 def render(report: Report) -> str:
     """Return the listing as text."""
     lines = [report.vessel, INDENT + cut(report.path, 77)]
     for title, found in report.groups.items():
-        lines += _group(title, found)
-    rows = [
-        (one.symbol, one.mnemonic, f"{one.prime:.6g}", _number(one.value), one.unit, one.origin)
-        for one in report.coefficients
-    ]
-    lines += [
-        *("", "COEFFICIENTS (EB920; value: rho/2 L^n times prime)"),
-        *table(("", "1969", "prime [-]", "value", "unit", "from"), rows),
-    ]
-    small = [
-        (one.symbol, one.mnemonic, _number(one.modified), _number(one.basic), one.unit)
-        for one in report.compact
-    ]
-    lines += [
-        *("", "COMPACT CONSTANTS (EC790; compensation applied)"),
-        *table(("", "1969", "modified", "basic", "unit"), small),
-    ]
+        single = [one for one in found if len(one.values) == 1 == len(one.values[0])]
+        rows = [
+            (one.symbol, _number(one.values[0][0]), one.unit, one.origin, cut(one.key, 25))
+            for one in single
+        ]
+        lines += part(title, ("", "value", "unit", "from", ""), rows)
+        lines += [line for one in found if one not in single for line in _array(one)]
+    lines += part(
+        "COEFFICIENTS (EB920; value: rho/2 L^n times prime)",
+        ("", "1969", "prime [-]", "value", "unit", "from"),
+        [
+            (one.symbol, one.mnemonic, f"{one.prime:.6g}", _number(one.value), one.unit, one.origin)
+            for one in report.coefficients
+        ],
+    )
+    lines += part(
+        "COMPACT CONSTANTS (EC790; compensation applied)",
+        ("", "1969", "modified", "basic", "unit"),
+        [
+            (one.symbol, one.mnemonic, _number(one.modified), _number(one.basic), one.unit)
+            for one in report.compact
+        ],
+    )
     return "\n".join(lines)

@@ -23,7 +23,6 @@ from trainer.config.files import (
     quote,
 )
 from trainer.config.vessel import VesselFile
-from trainer.core.kernel import Record
 from trainer.core.rates import rates as write_rates
 from trainer.core.scheme import equations_alone
 from trainer.core.state import MOTION, RATES
@@ -56,31 +55,31 @@ def answers(records: Records, lines: Iterable[str]) -> Iterator[str]:
         except ConfigError as wrong:
             raise ConfigError(*(f"line {number}: {text}" for text in wrong.problems)) from None
         state[:] = at_rest
-        _place(given, state)
+        for key, value in given.items():
+            state[LAST.get(key, key)] = value
         with np.errstate(all="ignore"):  # what overflows is reported below
             write_rates(*records)
         found = state["rates"][0]
         if not np.isfinite(found).all():
             lost = RATES[int(np.argmin(np.isfinite(found)))]
             raise ConfigError(f"line {number}: {lost} is not finite: this state is out of range")
-        yield _as_json(found)
-
-
-def _as_json(numbers: Record) -> str:
-    """Return the rates as a JSON object, 17 significant digits each."""
-    entries = zip(RATES, numbers, strict=True)
-    return "{" + ", ".join(f'"{name}": {value:.17g}' for name, value in entries) + "}"
-
-
-def _place(given: dict[str, float], state: Record) -> None:
-    """Write the numbers of a line to the state record."""
-    for key, value in given.items():
-        state[LAST.get(key, key)] = value
+        entries = zip(RATES, found, strict=True)  # 17 significant digits each
+        yield "{" + ", ".join(f'"{name}": {value:.17g}' for name, value in entries) + "}"
 
 
 def _read(line: str) -> dict[str, float]:
     """Return the numbers of one line by key; ConfigError with all that is wrong in it."""
-    pairs = _pairs(line)
+    short = ascii(line.strip())
+    short = short if len(short) <= SHOWN_LIMIT else short[: SHOWN_LIMIT - 3] + "..."
+    try:
+        pairs = json.loads(line, object_pairs_hook=list, parse_constant=_refuse)
+    except ConfigError:
+        raise
+    except (ValueError, RecursionError) as error:
+        reason = getattr(error, "msg", "nested too deeply, or a number too long")
+        raise ConfigError(f"is not JSON ({reason}): {short}") from None
+    if not line.lstrip().startswith("{"):
+        raise ConfigError(f"must be one JSON object with keys and numbers: {short}")
     keys = [key for key, _ in pairs]
     problems = [f"lacks {key}" for key in NECESSARY if key not in keys]
     twice = {key: None for key in keys if keys.count(key) > 1}
@@ -92,26 +91,6 @@ def _read(line: str) -> dict[str, float]:
     if problems:
         raise ConfigError(*problems)
     return numbers
-
-
-def _pairs(line: str) -> list[tuple[str, object]]:
-    """Return the entries of a JSON object in order; ConfigError if it is none."""
-    try:
-        value = json.loads(line, object_pairs_hook=list, parse_constant=_refuse)
-    except ConfigError:
-        raise
-    except (ValueError, RecursionError) as error:
-        reason = getattr(error, "msg", "nested too deeply, or a number too long")
-        raise ConfigError(f"is not JSON ({reason}): {_short(line)}") from None
-    if not line.lstrip().startswith("{"):
-        raise ConfigError(f"must be one JSON object with keys and numbers: {_short(line)}")
-    return [(str(key), item) for key, item in value]
-
-
-def _short(line: str) -> str:
-    """Return ``line`` as a message can hold it."""
-    text = ascii(line.strip())
-    return text if len(text) <= SHOWN_LIMIT else text[: SHOWN_LIMIT - 3] + "..."
 
 
 def _refuse(name: str) -> NoReturn:

@@ -198,16 +198,6 @@ def _adjust(response: _Response, numbers: Numbers) -> tuple[Numbers, int]:
     return numbers, ROUNDS
 
 
-def _errors(response: _Response, numbers: Numbers) -> list[float | None]:
-    """Return the standard error of each number, None where the samples do not tell."""
-    left, slopes = response.left(numbers), response.slopes(numbers)
-    free = len(left) - 2 * len(numbers)
-    if free < 1 or np.linalg.matrix_rank(slopes) < len(numbers):
-        return [None] * len(numbers)
-    spread = float(left @ left) / free * np.linalg.inv(slopes.T @ slopes)
-    return [math.sqrt(max(float(variance), 0.0)) for variance in np.diag(spread)]
-
-
 def _terms(
     roots: Sequence[complex], factors: Numbers, errors: Sequence[float | None]
 ) -> tuple[Term, ...]:
@@ -243,11 +233,15 @@ def fit(t: Numbers, y: Numbers, starts: Sequence[complex]) -> Fit:
     response = _Response(t, y, starts)
     numbers, rounds = _adjust(response, _shape(starts))
     roots = _match_roots(numbers, starts)
-    left = response.left(numbers)
+    left, slopes = response.left(numbers), response.slopes(numbers)
     nothing: list[float | None] = [None] * len(numbers)
+    errors, free = nothing, len(left) - 2 * len(numbers)
+    if free >= 1 and np.linalg.matrix_rank(slopes) == len(numbers):
+        spread = float(left @ left) / free * np.linalg.inv(slopes.T @ slopes)
+        errors = [math.sqrt(max(float(variance), 0.0)) for variance in np.diag(spread)]
     return Fit(
         start=_terms(starts, amplitudes(starts, t, y), nothing),
-        terms=_terms(roots, amplitudes(roots, t, y), _errors(response, numbers)),
+        terms=_terms(roots, amplitudes(roots, t, y), errors),
         rms=math.sqrt(float(left @ left) / len(y)),
         explained=1.0 - float(left @ left) / float(y @ y),
         converged=rounds < ROUNDS,
@@ -294,18 +288,13 @@ HEADS: Final = (
 )
 
 
-def _error(term: Term) -> str:
-    """Return the standard errors of a root."""
-    errors = [term.real_error, *([term.imaginary_error] if term.imaginary else [])]
-    return " ".join(figure(error, ".0e") for error in errors)
-
-
-def _row(label: str, term: Term, error: str) -> tuple[str, ...]:
+def _row(label: str, term: Term) -> tuple[str, ...]:
     """Return one term as a line of the table."""
+    errors = [term.real_error, *([term.imaginary_error] if term.imaginary else [])]
     return (
         label,
         root_text(term.real, term.imaginary),
-        error,
+        "" if label == "start" else " ".join(figure(error, ".0e") for error in errors),
         f"{term.frequency:.5f}",
         f"{term.damping_ratio:+.3f}",
         f"{term.amplitude:+.4g}",
@@ -316,8 +305,8 @@ def _row(label: str, term: Term, error: str) -> tuple[str, ...]:
 def render(report: Report) -> str:
     """Return the report as text."""
     fit = report.fit
-    rows = [_row("start", term, "") for term in fit.start]
-    rows += [_row("fit", term, _error(term)) for term in fit.terms]
+    terms = [*(("start", term) for term in fit.start), *(("fit", term) for term in fit.terms)]
+    rows = [_row(*each) for each in terms]
     state = f"settled in {fit.rounds} rounds" if fit.converged else "DID NOT SETTLE"
     return "\n".join(
         [

@@ -14,28 +14,26 @@ q/h, which are roots of a quartic, there is at most one.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.analysis.check import critical_speed
+from trainer.analysis.check import PLANES, critical_speeds
 from trainer.analysis.programs.characteristic import surface_lines
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.depths import Surface, near_surface, require_covered, surface_at, surface_remarks
 from trainer.config.vessel import VesselFile
-from trainer.core.kernel import Numbers
 from trainer.core.scheme import equations_alone
 from trainer.core.sea.free_surface import surface_forces
 from trainer.core.trim import STERN, trim
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import figure, table, wrap
+from trainer.report.text import part, wrap
 from trainer.units import KNOT
 
-PLANES: Final = ("stern", "bow")
 STEEPEST: Final = math.tan(math.radians(85.0))  # [-] |w|/u looked at; the equations end before
 REAL: Final = 1e-9  # [-] of a root: an imaginary part below it is rounding
 HALVINGS: Final = 200
@@ -194,13 +192,10 @@ def plane_angle(file: VesselFile, plane: str, t: float, speed: float) -> float:
 
 def fold_speeds(file: VesselFile, plane: str) -> list[float]:
     """Return the speeds at which two solutions meet and vanish, in order. Any consistent units."""
-    speeds = []
-    for side in sides(file, plane):
-        for t in turning_points(side):
-            square = side.couple / required_couple(side, t) if required_couple(side, t) else 0.0
-            if square > 0.0:
-                speeds.append(math.sqrt(square))
-    return sorted(speeds)
+    points = [(side, t) for side in sides(file, plane) for t in turning_points(side)]
+    ratios = [(side.couple, required_couple(side, t)) for side, t in points]
+    squares = [couple / required for couple, required in ratios if required]
+    return sorted(math.sqrt(square) for square in squares if square > 0.0)
 
 
 def fold_speeds_at(file: VesselFile, plane: str, depth: float | None) -> list[float]:
@@ -211,23 +206,18 @@ def fold_speeds_at(file: VesselFile, plane: str, depth: float | None) -> list[fl
     if depth is None:
         return fold_speeds(file, plane)
     found: list[float] = []
-    for speed in fold_speeds(near_surface(file, file.run.start_speed_kn * KNOT, depth), plane):
-        settled = _settled_fold(file, plane, depth, speed)
-        if settled is not None and not any(math.isclose(settled, one) for one in found):
-            found.append(settled)
+    for start in fold_speeds(near_surface(file, file.run.start_speed_kn * KNOT, depth), plane):
+        speed = start
+        for _ in range(ROUNDS):
+            folds = np.array(fold_speeds(near_surface(file, speed, depth), plane))
+            if not folds.size:
+                break
+            last, speed = speed, float(folds[np.argmin(abs(folds - speed))])
+            if math.isclose(last, speed, rel_tol=SAME):
+                if not any(math.isclose(speed, one) for one in found):
+                    found.append(speed)
+                break
     return sorted(found)
-
-
-def _settled_fold(file: VesselFile, plane: str, depth: float, speed: float) -> float | None:
-    """Return the fold speed [m/s] nearest ``speed`` with the surface's share of its own speed."""
-    for _ in range(ROUNDS):
-        folds = np.array(fold_speeds(near_surface(file, speed, depth), plane))
-        if not folds.size:
-            return None
-        last, speed = speed, float(folds[np.argmin(abs(folds - speed))])
-        if math.isclose(last, speed, rel_tol=SAME):
-            return speed
-    return None
 
 
 def trim_at(boat: Boat, speed: float, depth: float | None = None) -> Trim | None:
@@ -253,25 +243,19 @@ def trim_at(boat: Boat, speed: float, depth: float | None = None) -> Trim | None
         settled = trim(r.vessel, r.compact, alone, r.state, r.scratch, STERN)
     if not settled:
         return None
-    return Trim(
-        speed / KNOT,
-        float(s.w),
-        math.degrees(s.theta),
-        math.degrees(s.delta_s),
-        float(s.u_c),
-    )
+    pitch, planes = math.degrees(s.theta), math.degrees(s.delta_s)
+    return Trim(speed / KNOT, float(s.w), pitch, planes, float(s.u_c))
 
 
 def flight(file: VesselFile, plane: str, speed: float) -> Flight:
     """Return all level flights at ``speed`` [m/s] in the units of a page."""
-    surfaces = file.surfaces
-    limit = {"stern": surfaces.stern_plane_limit_deg, "bow": surfaces.bow_plane_limit_deg}[plane]
-    found = []
-    for t, angle in level_flight(file, plane, speed):
-        degrees = math.degrees(angle)
-        pitch = math.degrees(math.atan(t))
-        found.append(Angles(t * speed, pitch, degrees, abs(degrees) <= limit))
-    return Flight(plane, speed / KNOT, tuple(found))
+    limit = getattr(file.surfaces, f"{plane}_plane_limit_deg")
+    found = [
+        (t * speed, math.degrees(math.atan(t)), math.degrees(angle))
+        for t, angle in level_flight(file, plane, speed)
+    ]
+    solutions = tuple(Angles(*numbers, abs(numbers[-1]) <= limit) for numbers in found)
+    return Flight(plane, speed / KNOT, solutions)
 
 
 def remarks(file: VesselFile) -> tuple[str, ...]:
@@ -294,13 +278,10 @@ def neutral(file: VesselFile, speeds: Iterable[float], depth: float | None = Non
     """
     require_covered(file, depth)
     speeds = [knots * KNOT for knots in speeds]
-    critical = {plane: critical_speed(file, plane) for plane in PLANES}
     boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
     return Neutral(
         vessel=file.name,
-        critical_speed_kn={
-            plane: None if speed is None else speed / KNOT for plane, speed in critical.items()
-        },
+        critical_speed_kn=critical_speeds(file),
         fold_speeds_kn={
             plane: tuple(speed / KNOT for speed in fold_speeds_at(file, plane, depth))
             for plane in PLANES
@@ -323,68 +304,55 @@ def neutral(file: VesselFile, speeds: Iterable[float], depth: float | None = Non
 DRAWN: Final = 20.0  # [deg] of pitch, either way
 POINTS: Final = 200  # of each side of a curve, in pitch and in speed
 
-Drawn = tuple[Numbers, Numbers, Numbers]
 
 HEADS: Final = ("speed\n[kn]", "planes", "w\n[m/s]", "pitch\n[deg]", "angle\n[deg]", "")
 
 
-def _speeds(speeds: tuple[float, ...]) -> str:
-    """Return speeds [kn] as a phrase."""
-    return ", ".join(f"{speed:.2f} kn" for speed in speeds) or "none"
+def _angle_rows(flight: Flight) -> Iterator[tuple[str, ...]]:
+    """Yield the solutions of one flight as lines of the table."""
+    head = (f"{flight.speed_kn:.4g}", flight.plane)
+    if not flight.solutions:
+        yield (*head, "-", "-", "-", "no level flight")
+    for one in flight.solutions:
+        note = "" if one.within_limit else "beyond the limit"
+        yield (*head, *(f"{x:+.3f}" for x in (one.w_m_s, one.pitch_deg, one.plane_deg)), note)
+        head = ("", "")
 
 
-def _critical(report: Neutral) -> list[str]:
-    """Return the speeds at which the planes reverse."""
-    lines = ["", "CRITICAL SPEEDS (a plane below its own reverses its effect on depth)"]
-    for plane in PLANES:
-        speed = report.critical_speed_kn[plane]
-        folds = _speeds(report.fold_speeds_kn[plane])
-        linear = "none" if speed is None else f"{speed:.2f} kn"
-        lines.append(f"  {plane:<6} linear {linear:<10} solutions meet at {folds}")
-    return lines
-
-
-def _angles(report: Neutral) -> list[str]:
-    """Return the table of all solutions."""
-    rows = []
-    for flight in report.flights:
-        head = (f"{flight.speed_kn:.4g}", flight.plane)
-        if not flight.solutions:
-            rows.append((*head, "-", "-", "-", "no level flight"))
-        for i, one in enumerate(flight.solutions):
-            note = "" if one.within_limit else "beyond the limit"
-            first = head if i == 0 else ("", "")
-            w, pitch, plane = (f"{x:+.3f}" for x in (one.w_m_s, one.pitch_deg, one.plane_deg))
-            rows.append((*first, w, pitch, plane, note))
-    return [
-        "",
-        "NEUTRAL ANGLES (EC470: one pair of planes, the other at zero)",
-        *table(HEADS, rows),
-    ]
-
-
-def _trims(report: Neutral) -> list[str]:
-    """Return the table of the boat's own trims by the stern planes."""
-    heads = ("speed\n[kn]", "w\n[m/s]", "pitch\n[deg]", "stern\n[deg]", "u_c\n[kn]")
-    speeds = dict.fromkeys(flight.speed_kn for flight in report.flights)
-    rows: list[tuple[str, ...]] = []
-    for speed, found in zip(speeds, report.trims, strict=True):
-        if found is None:
-            rows.append((f"{speed:.4g}", "-", "-", "none", "-"))
-            continue
-        numbers = (found.w_m_s, found.pitch_deg, found.stern_planes_deg)
-        cells = (figure(number, "+.3f") for number in numbers)
-        rows.append((f"{speed:.4g}", *cells, f"{found.u_c_m_s / KNOT:.3f}"))
-    return ["", "TRIM OF THE FULL SET (stern planes, bow planes at zero)", *table(heads, rows)]
+def _trim_row(speed: float, found: Trim | None) -> tuple[str, ...]:
+    """Return a trim by the stern planes as a line of the table."""
+    if found is None:
+        return (f"{speed:.4g}", "-", "-", "none", "-")
+    numbers = (found.w_m_s, found.pitch_deg, found.stern_planes_deg)
+    cells = (f"{number:+.3f}" for number in numbers)
+    return (f"{speed:.4g}", *cells, f"{found.u_c_m_s / KNOT:.3f}")
 
 
 def render(report: Neutral) -> str:
     """Return the report as text."""
-    notes = [line for text in report.remarks for line in wrap("remark: " + text)]
-    surface = surface_lines(report.depth_m, report.surface)
-    heading = [report.vessel, *notes]
-    parts = [heading, surface, _critical(report), _angles(report), _trims(report)]
-    return "\n".join(line for part in parts for line in part)
+    critical = []
+    for plane, speed in report.critical_speed_kn.items():
+        folds = ", ".join(f"{fold:.2f} kn" for fold in report.fold_speeds_kn[plane]) or "none"
+        linear = "none" if speed is None else f"{speed:.2f} kn"
+        critical.append(f"  {plane:<6} linear {linear:<10} solutions meet at {folds}")
+    speeds = dict.fromkeys(flight.speed_kn for flight in report.flights)
+    lines = [
+        report.vessel,
+        *(line for text in report.remarks for line in wrap("remark: " + text)),
+        *surface_lines(report.depth_m, report.surface),
+        *("", "CRITICAL SPEEDS (a plane below its own reverses its effect on depth)", *critical),
+        *part(
+            "NEUTRAL ANGLES (EC470: one pair of planes, the other at zero)",
+            HEADS,
+            [row for flight in report.flights for row in _angle_rows(flight)],
+        ),
+        *part(
+            "TRIM OF THE FULL SET (stern planes, bow planes at zero)",
+            ("speed\n[kn]", "w\n[m/s]", "pitch\n[deg]", "stern\n[deg]", "u_c\n[kn]"),
+            map(_trim_row, speeds, report.trims),
+        ),
+    ]
+    return "\n".join(lines)
 
 
 def _steps(side: Side, most: float) -> list[float]:
@@ -396,7 +364,7 @@ def _steps(side: Side, most: float) -> list[float]:
     return sorted(steps)
 
 
-def _curve(file: VesselFile, plane: str, most: float) -> Drawn:
+def _curve(file: VesselFile, plane: str, most: float) -> list[tuple[float, float, float]]:
     """Return speed [kn], pitch [deg] and plane angle [deg] along all solutions up to ``most`` [kn].
 
     The curve is followed by its pitch, so that it turns back where two solutions meet.
@@ -413,11 +381,12 @@ def _curve(file: VesselFile, plane: str, most: float) -> Drawn:
             angle = plane_angle(file, plane, sense * t, speed)
             points.append((speed / KNOT, math.degrees(math.atan(sense * t)), math.degrees(angle)))
         points.append((math.nan, math.nan, math.nan))
-    knots, pitch, degrees = np.array(points).T
-    return knots, pitch, degrees
+    return points
 
 
-def _points(file: VesselFile, plane: str, most: float, depth: float) -> Drawn:
+def _points(
+    file: VesselFile, plane: str, most: float, depth: float
+) -> list[tuple[float, float, float]]:
     """Return speed [kn], pitch [deg] and plane angle [deg] of all solutions at a ``depth`` [m].
 
     The surface's share changes with speed, so that no curve is followed: it is dots over speed.
@@ -429,8 +398,7 @@ def _points(file: VesselFile, plane: str, most: float, depth: float) -> Drawn:
             pitch = math.degrees(math.atan(t))
             if abs(pitch) <= DRAWN:
                 found.append((float(knots), pitch, math.degrees(angle)))
-    table = np.array(found, float).reshape(-1, 3)
-    return table[:, 0], table[:, 1], table[:, 2]
+    return found
 
 
 def panels(file: VesselFile, report: Neutral) -> tuple[Panel, ...]:
@@ -438,14 +406,14 @@ def panels(file: VesselFile, report: Neutral) -> tuple[Panel, ...]:
     most = max(flight.speed_kn for flight in report.flights)
     dots = report.depth_m is not None
     pitches, planes, marks = [], [], []
-    for plane in PLANES:
-        if not any(flight.solutions for flight in report.flights if flight.plane == plane):
-            continue
-        knots, pitch, degrees = (
+    solved = {flight.plane for flight in report.flights if flight.solutions}
+    for plane in filter(solved.__contains__, PLANES):
+        found = (
             _curve(file, plane, most)
             if report.depth_m is None
             else _points(file, plane, most, report.depth_m)
         )
+        knots, pitch, degrees = np.array(found, float).reshape(-1, 3).T
         limit = getattr(file.surfaces, f"{plane}_plane_limit_deg")
         pitches.append(Curve(f"{plane} planes", knots, pitch, points=dots))
         shown = np.where(abs(degrees) <= limit, degrees, np.nan)

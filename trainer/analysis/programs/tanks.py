@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.config.vessel import VesselFile
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, table
+from trainer.report.text import INDENT, part
 
 
 class Weight(NamedTuple):
@@ -148,7 +148,16 @@ def tanks_of(file: VesselFile, fills: Mapping[str, float]) -> list[Tank]:
         raise ConfigError(f"{file.path.name}: has no table [ballast]: there are no tanks to fill")
     unit = file.fluid.rho * file.fluid.g
     rows = [(kind, row) for kind in KINDS for row in getattr(file.ballast, kind)]
-    _check_fills(fills, [row.name for _, row in rows])
+    names = [row.name for _, row in rows]
+    problems = []
+    for name, share in fills.items():
+        if name not in names:
+            known = f"this boat has {', '.join(names)}"
+            problems.append(f"--fill {quote(name)}: no such tank{nearest(name, names)}; {known}")
+        elif not 0.0 <= share <= 1.0:
+            problems.append(f"--fill {name}={share:g}: must be within 0 (empty) and 1 (full)")
+    if problems:
+        raise ConfigError(*problems)
     return [
         Tank(
             row.name,
@@ -160,33 +169,9 @@ def tanks_of(file: VesselFile, fills: Mapping[str, float]) -> list[Tank]:
     ]
 
 
-def _check_fills(fills: Mapping[str, float], names: Sequence[str]) -> None:
-    """Check names and shares; ConfigError with all that is wrong."""
-    problems = []
-    for name, share in fills.items():
-        if name not in names:
-            known = f"this boat has {', '.join(names)}"
-            problems.append(f"--fill {quote(name)}: no such tank{nearest(name, names)}; {known}")
-        elif not 0.0 <= share <= 1.0:
-            problems.append(f"--fill {name}={share:g}: must be within 0 (empty) and 1 (full)")
-    if problems:
-        raise ConfigError(*problems)
-
-
-def bare_hull(file: VesselFile) -> Weight:
-    """Return weight [N] and centre [m] of the boat with every tank empty.
-
-    [vessel] holds at the start fillings.
-    """
-    whole = Weight(file.hull.weight, *file.hull.cg)
-    taken = [tank.contents for tank in tanks_of(file, {})]
-    return Weight(*_add_parts(whole, [water._replace(weight=-water.weight) for water in taken]))
-
-
-def _add_parts(hull: Weight, parts: Sequence[Weight]) -> tuple[float, float, float, float]:
-    """Return weight [N] and centre [m] of ``hull`` with ``parts``."""
+def _together(hull: Weight, parts: Sequence[Weight]) -> Weight:
     whole = balance(hull, parts)
-    return (whole.weight, *whole.centre)
+    return Weight(whole.weight, *whole.centre)
 
 
 def outline(file: VesselFile, fixed: Weight, free: Sequence[Weight]) -> NDArray[np.float64]:
@@ -207,20 +192,19 @@ def outline(file: VesselFile, fixed: Weight, free: Sequence[Weight]) -> NDArray[
     return np.cumsum([start, *steps, *backwards], axis=0)
 
 
-def _ranges(file: VesselFile, hull: Weight, tanks: Sequence[Tank], free: str) -> Ranges:
-    """Return the limits with the tanks of one group free and the others as they are."""
-    kept = [tank.contents for tank in tanks if tank.kind not in GROUPS[free]]
-    fixed = Weight(*_add_parts(hull, kept))
-    full = [tank.full for tank in tanks if tank.kind in GROUPS[free]]
-    corners = tuple((float(w), float(m)) for w, m in outline(file, fixed, full))
-    return Ranges(free, limits(fixed, full), corners)
-
-
 def fillings(file: VesselFile, fills: Mapping[str, float]) -> Report:
     """Return balance and limits of the boat's tanks, filled as ``fills`` [-] says by name."""
-    hull, tanks = bare_hull(file), tanks_of(file, fills)
+    at_start = [tank.contents for tank in tanks_of(file, {})]  # which [vessel] holds
+    taken = [water._replace(weight=-water.weight) for water in at_start]
+    hull = _together(Weight(file.hull.weight, *file.hull.cg), taken)
+    tanks, ranges = tanks_of(file, fills), []
     kinds = {tank.kind for tank in tanks}
-    groups = [free for free, members in GROUPS.items() if members[-1] in kinds]
+    for name, members in GROUPS.items():
+        if members[-1] in kinds:
+            fixed = _together(hull, [tank.contents for tank in tanks if tank.kind not in members])
+            free = [tank.full for tank in tanks if tank.kind in members]
+            corners = tuple((float(w), float(m)) for w, m in outline(file, fixed, free))
+            ranges.append(Ranges(name, limits(fixed, free), corners))
     return Report(
         vessel=file.name,
         buoyancy_N=file.hull.buoyancy,
@@ -229,7 +213,7 @@ def fillings(file: VesselFile, fills: Mapping[str, float]) -> Report:
         hull=hull,
         tanks=tuple(tanks),
         now=balance(hull, [tank.contents for tank in tanks]),
-        ranges=tuple(_ranges(file, hull, tanks, free) for free in groups),
+        ranges=tuple(ranges),
     )
 
 
@@ -253,9 +237,7 @@ def _balance(report: Report) -> list[str]:
     x, y, z = (1e-3 * part for part in report.now.moments)
     below = report.now.centre[2] - report.z_b_m
     return [
-        "",
-        "WEIGHT AND BALANCE (EC430)",
-        *table(heads, rows),
+        *part("WEIGHT AND BALANCE (EC430)", heads, rows),
         f"{INDENT}moments about the origin: x {x:+.1f}, y {y:+.1f}, z {z:+.1f} kN m",
         f"{INDENT}W - B {excess:+.1f} kN, bow-down moment {moment:+.1f} kN m",
         f"{INDENT}centre of gravity {below:.4f} m below the centre of buoyancy",
@@ -267,32 +249,21 @@ def _span(limits: Range, scale: float, form: str) -> str:
     return f"{scale * limits.least:{form}} to {scale * limits.most:{form}}"
 
 
-def _limits(ranges: Ranges) -> tuple[str, ...]:
-    """Return the limits of one group as a line of the table."""
-    limits = ranges.limits
-    weight = _span(limits.weight, 1e-3, ".1f")
-    return (ranges.free, weight, _span(limits.x_g, 1.0, "+.3f"), _span(limits.z_g, 1.0, "+.3f"))
-
-
 def render(report: Report) -> str:
     """Return the report as text."""
     heads = ("free to be filled", "weight [kN]", "x_G [m]", "z_G [m]")
-    rows = [_limits(ranges) for ranges in report.ranges]
-    sided = [
-        f"{INDENT}{ranges.free}: y_G {_span(ranges.limits.y_g, 1.0, '+.4f')} m"
-        for ranges in report.ranges
-        if ranges.limits.y_g != (0.0, 0.0)
+    limited = [(ranges.free, ranges.limits) for ranges in report.ranges]
+    rows = [
+        (free, _span(of.weight, 1e-3, ".1f"), *(_span(at, 1.0, "+.3f") for at in (of.x_g, of.z_g)))
+        for free, of in limited
     ]
-    return "\n".join(
-        [
-            report.vessel,
-            *_balance(report),
-            "",
-            "LIMITS OVER ALL FILLINGS, each by itself",
-            *table(heads, rows),
-            *sided,
-        ]
-    )
+    sided = [
+        f"{INDENT}{free}: y_G {_span(of.y_g, 1.0, '+.4f')} m"
+        for free, of in limited
+        if of.y_g != (0.0, 0.0)
+    ]
+    title = "LIMITS OVER ALL FILLINGS, each by itself"
+    return "\n".join([report.vessel, *_balance(report), *part(title, heads, rows), *sided])
 
 
 def panels(report: Report) -> tuple[Panel, ...]:

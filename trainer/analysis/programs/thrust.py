@@ -15,7 +15,7 @@ import numpy as np
 
 from trainer.config.vessel import VesselFile
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, table
+from trainer.report.text import INDENT, part
 from trainer.units import KNOT
 
 
@@ -70,30 +70,18 @@ def thrust(file: VesselFile, u: float, u_c: float) -> float:
     return area * (row.a * u * u + row.b * u * u_c + row.c * u_c * u_c)
 
 
-def flown_mass(file: VesselFile) -> float:
-    """Return the mass with its added mass in surge, in consistent units."""
-    added = 0.5 * file.fluid.rho * file.hull.length**3 * file.coefficients["X_udot"]
-    return file.hull.mass - added
-
-
 def at(file: VesselFile, u: float, u_c: float) -> Thrust:
     """Return one entry of the table at ``u`` and ``u_c`` [m/s]."""
-    force = thrust(file, u, u_c)
-    return Thrust(
-        u / KNOT,
-        u_c / KNOT,
-        row_at(file, u, u_c),
-        force,
-        force / file.hull.mass,
-        force / flown_mass(file),
-    )
+    force, mass = thrust(file, u, u_c), file.hull.mass
+    added = 0.5 * file.fluid.rho * file.hull.length**3 * file.coefficients["X_udot"]
+    row = row_at(file, u, u_c)
+    return Thrust(u / KNOT, u_c / KNOT, row, force, force / mass, force / (mass - added))
 
 
 def breaks(file: VesselFile) -> tuple[Break, ...]:
     """Return the limits between the rows and the jump of thrust at each."""
-    sets = file.thrust.ahead
     found = []
-    for upper, lower in pairwise(sets):
+    for upper, lower in pairwise(file.thrust.ahead):
         eta = upper.eta_min
         step = (upper.a - lower.a) + (upper.b - lower.b) * eta + (upper.c - lower.c) * eta * eta
         found.append(Break(eta, step))
@@ -132,17 +120,6 @@ HEADS: Final = (
 POINTS: Final = 201  # of a curve
 
 
-def _breaks(report: Report) -> list[str]:
-    """Return where rows change, and how well they join."""
-    if not report.breaks:
-        return [f"{INDENT}one row of coefficients for every eta = u_c/u"]
-    return [
-        f"{INDENT}row {i} holds from eta = u_c/u = {one.eta:g} up; there thrust jumps by "
-        f"{one.jump:+.3g} rho/2 L^2 u^2"
-        for i, one in enumerate(report.breaks, start=1)
-    ]
-
-
 def render(report: Report) -> str:
     """Return the report as text."""
     rows, last = [], None
@@ -150,29 +127,23 @@ def render(report: Report) -> str:
         first = "" if one.u_kn == last else f"{one.u_kn:.4g}"
         last = one.u_kn
         accelerations = (one.acceleration_m_s2, one.as_flown_m_s2)
-        rows.append(
-            (
-                first,
-                f"{one.u_c_kn:+.4g}",
-                str(one.row),
-                f"{1e-3 * one.thrust_N:+.4g}",
-                *(f"{acceleration:+.5f}" for acceleration in accelerations),
-            )
-        )
-    bollard = [
-        f"{INDENT}at rest, full {name}: {1e-3 * force:+.4g} kN"
-        for name, force in report.bollard_N.items()
+        numbers = (f"{one.u_c_kn:+.4g}", str(one.row), f"{1e-3 * one.thrust_N:+.4g}")
+        rows.append((first, *numbers, *(f"{x:+.5f}" for x in accelerations)))
+    breaks = [
+        f"{INDENT}row {i} holds from eta = u_c/u = {one.eta:g} up; there thrust jumps by "
+        f"{one.jump:+.3g} rho/2 L^2 u^2"
+        for i, one in enumerate(report.breaks, start=1)
     ]
-    return "\n".join(
-        [
-            report.vessel,
-            *_breaks(report),
-            *bollard,
-            "",
-            "THRUST LESS DRAG (ZC300; as flown: with the added mass)",
-            *table(HEADS, rows),
-        ]
-    )
+    lines = [
+        report.vessel,
+        *(breaks or [f"{INDENT}one row of coefficients for every eta = u_c/u"]),
+        *(
+            f"{INDENT}at rest, full {name}: {1e-3 * force:+.4g} kN"
+            for name, force in report.bollard_N.items()
+        ),
+        *part("THRUST LESS DRAG (ZC300; as flown: with the added mass)", HEADS, rows),
+    ]
+    return "\n".join(lines)
 
 
 def panels(file: VesselFile, report: Report) -> tuple[Panel, ...]:

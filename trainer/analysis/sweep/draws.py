@@ -142,9 +142,22 @@ class Draws:
 
     def drawn(self, first: int, count: int) -> dict[str, NDArray[Any]]:
         """Return the numbers, or words, of members from ``first`` on, by variable."""
-        if self.sample.plan == GRID:
-            return self._grid(np.arange(first, first + count))
-        return {row.name: of_shares(row, self._shares(row.name, first, count)) for row in self.rows}
+        if self.sample.plan == GRID:  # the last variable changes fastest
+            members = np.arange(first, first + count)
+            sizes = [len(row.values or ()) for row in self.rows]
+            steps = [*accumulate(reversed(sizes[1:]), int.__mul__, initial=1)][::-1]
+            return {
+                row.name: list_values(row.values or ())[members // step % size]
+                for row, step, size in zip(self.rows, steps, sizes, strict=True)
+            }
+        seed, found = int(self.sample.seed), {}
+        for row in self.rows:
+            shares = uniforms(seed, stream("share", row.name), first, count)
+            if self.sample.plan != MONTE_CARLO:
+                part = strata(seed, row.name, self.members)[first : first + count]
+                shares = np.asarray((part + shares) / self.members)
+            found[row.name] = of_shares(row, shares)
+        return found
 
     def middle(self) -> dict[str, Any]:
         """Return the middle of each variable, of draws the estimate. A study is tried with it."""
@@ -152,23 +165,6 @@ class Draws:
         return {
             row.name: 0 if row.distribution == ESTIMATE else of_shares(row, half).tolist()[0]
             for row in self.rows
-        }
-
-    def _shares(self, name: str, first: int, count: int) -> Numbers:
-        """Return how far up its distribution each member is in a variable, between 0 and 1."""
-        seed, members = int(self.sample.seed), self.members
-        drawn = uniforms(seed, stream("share", name), first, count)
-        if self.sample.plan == MONTE_CARLO:
-            return drawn
-        return np.asarray((strata(seed, name, members)[first : first + count] + drawn) / members)
-
-    def _grid(self, members: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
-        """Return the values on a grid, the last variable changing fastest."""
-        sizes = [len(row.values or ()) for row in self.rows]
-        steps = [*accumulate(reversed(sizes[1:]), int.__mul__, initial=1)][::-1]
-        return {
-            row.name: list_values(row.values or ())[members // step % size]
-            for row, step, size in zip(self.rows, steps, sizes, strict=True)
         }
 
 

@@ -12,13 +12,12 @@ from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.series import Series
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
 from trainer.analysis.sweep.study import Study, method_of
-from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
-from trainer.config.exercise import Exercise, read_exercise
+from trainer.config.exercise import read_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
-from trainer.config.vessel import VesselFile, read_vessel
+from trainer.config.vessel import read_vessel
 from trainer.debrief.rehearsal import due_orders
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
@@ -52,12 +51,17 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
         for each in (*into_hand(exercise, file), *exercise.schedule_of(seed))
         if each.order.name not in WORDS
     ]
+    said, table = exercise.heading, study.method
+    own = {  # the study's word over the exercise's
+        key: getattr(table, key) or getattr(said, key)
+        for key in ("equations", "rates", "integrator", "step_s")
+    }
     late = [each for each in schedule if each.order.name not in BOAT_ORDERS]
     if late:
         raise ConfigError(f"{late[0].order.text}: has no place in a study: it is about time")
     return Plan(
         file=file,
-        method=_method(study, exercise, file),
+        method=method_of(replace(table, **own), file),
         sea=exercise.sea or load_sea("calm"),
         seed=seed,
         duration=duration,
@@ -70,21 +74,6 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
         limits=exercise.limits,
         scores=(),
         world=exercise.world,
-    )
-
-
-def _method(study: Study, exercise: Exercise, file: VesselFile) -> Method:
-    """Return how the boat is computed: the study's word over the exercise's."""
-    said, table = exercise.heading, study.method
-    return method_of(
-        replace(
-            table,
-            equations=table.equations or said.equations,
-            rates=table.rates or said.rates,
-            integrator=table.integrator or said.integrator,
-            step_s=table.step_s or said.step_s,
-        ),
-        file,
     )
 
 

@@ -4,14 +4,14 @@ Each is the boat that ``Submarine`` would be, to the bit; a test holds it.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.analysis.fleet.ensemble import Fleet, Schedule, orders
+from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, Schedule, orders
 from trainer.analysis.manoeuvres.flight import LONGEST, Conn, Manoeuvre, Mark
 from trainer.analysis.manoeuvres.submarine import DEEP, SURFACES
 from trainer.analysis.manoeuvres.vehicle import Control
@@ -94,15 +94,11 @@ class Scribe:
         self.tick += 1
 
 
-def script_of(manoeuvre: Manoeuvre, step: float, controls: Mapping[str, Control]) -> Script | None:
-    """Return what is done when; None where that depends on how the vehicle moves."""
-    return _write(manoeuvre, step, tuple(controls.items()))
-
-
 @lru_cache(maxsize=4096)
-def _write(
+def script_of(
     manoeuvre: Manoeuvre, step: float, controls: tuple[tuple[str, Control], ...]
 ) -> Script | None:
+    """Return what is done when; None where that depends on how the vehicle moves."""
     scribe = Scribe(step, dict(controls))
     conn: Any = Conn(scribe)
     try:
@@ -157,7 +153,7 @@ def start_fleet(fleet: Fleet, exact: Record, how: Start, scratch: Record, fit: N
 
 
 SENSES: Final = {"rudder": ("N_dr", 1.0), "stern": ("M_ds", 1.0), "bow": ("Z_db", -1.0)}
-KEPT: Final = (("stern", "s"), ("bow", "b"))  # what keeps depth
+KEPT: Final = ("stern", "bow")  # what keeps depth
 
 
 class Made(NamedTuple):
@@ -166,15 +162,6 @@ class Made(NamedTuple):
     vessels: Record
     compacts: Record
     toward: dict[str, Numbers]  # [member] by surface
-
-
-@dataclass(frozen=True)
-class Ready:
-    """A fleet at its start. ``fit`` tells which members can fly straight and have the controls."""
-
-    fleet: Fleet
-    toward: dict[str, Numbers]
-    fit: NDArray[np.bool_]
 
 
 def toward_of(coefficients: Mapping[str, Any], count: int) -> dict[str, Numbers]:
@@ -199,7 +186,8 @@ def by_coefficients(boat: Boat, changes: Mapping[tuple[str, ...], Numbers], coun
         (coefficients if steps[0] == "coefficients" else factors[steps[1]])[steps[-1]] = numbers
     wide = replace(file, coefficients=coefficients, compensation=factors)
     hull, (rows, eta) = body(file), thrust_rows(file)
-    vessels = copies(boat.records.vessel, VESSEL, count)
+    vessels = np.zeros(count, VESSEL)
+    vessels["whole"] = boat.records.vessel["whole"]
     full = vessel_record(hull, {**coefficients, **rows}, eta)
     for name in set(terms) & set(POWERS):
         vessels[name] = full[name]
@@ -214,23 +202,12 @@ def by_files(files: Sequence[VesselFile], method: Method) -> Made:
     """Return boats of their own files."""
     count = len(files)
     vessels, compacts = np.zeros(count, VESSEL), np.zeros(count, COMPACT)
-    toward = {surface: np.zeros(count) for surface in SENSES}
     for i, file in enumerate(files):
         records = fit_out(file, method)
-        vessels["whole"][i], compacts["whole"][i] = (
-            records.vessel["whole"],
-            records.compact["whole"],
-        )
-        for surface, signs in toward_of(file.coefficients, 1).items():
-            toward[surface][i] = signs[0]
-    return Made(vessels, compacts, toward)
-
-
-def copies(record: Record, kind: np.dtype[Any], count: int) -> Record:
-    """Return ``count`` copies of one record."""
-    found = np.zeros(count, kind)
-    found["whole"] = record["whole"]
-    return found
+        vessels["whole"][i] = records.vessel["whole"]
+        compacts["whole"][i] = records.compact["whole"]
+    effects = {name: [file.coefficients[name] for file in files] for name, _ in SENSES.values()}
+    return Made(vessels, compacts, toward_of(effects, count))
 
 
 def carries_surface(made: Made, surface: str) -> NDArray[np.bool_]:
@@ -241,8 +218,11 @@ def carries_surface(made: Made, surface: str) -> NDArray[np.bool_]:
 
 def start_members(
     made: Made, method: Method, speeds: Numbers, law: float, needs: Sequence[str]
-) -> Ready:
-    """Return the fleet started at ``speeds`` [m/s], as ``Submarine.start`` starts each."""
+) -> tuple[Fleet, NDArray[np.bool_]]:
+    """Return the fleet started at ``speeds`` [m/s], as ``Submarine.start`` starts each.
+
+    With it goes which members can fly straight and have the controls.
+    """
     count = made.vessels.size
     made.vessels["torque_limit"] = 0.0  # as a manoeuvre holds its revolutions
     scheme = scheme_record(method)
@@ -261,34 +241,29 @@ def start_members(
     for control in needs:
         if control in SURFACES:
             able &= carries_surface(made, SURFACES[control][0])
-    return Ready(fleet, made.toward, able)
+    return fleet, able
 
 
-def join_scripts(ready: Ready, made: Made, scripts: Sequence[Script]) -> Schedule:
+def join_scripts(states: Record, made: Made, scripts: Sequence[Script]) -> Schedule:
     """Return the orders of scripts alike but for their numbers. What is kept is kept at once."""
-    states = ready.fleet.states
     neutral = {name: states[f"delta_{letter}"].copy() for name, (_, letter) in SURFACES.items()}
-    ticks: list[int] = []
-    places: list[int] = []
-    values: list[Numbers] = []
-
-    def put(tick: int, name: str, numbers: Any) -> None:
-        ticks.append(tick)
-        places.append(PLACES[name])
-        values.append(np.broadcast_to(np.asarray(numbers, float), states.size))
-
+    by_hand = np.ones(states.size)
+    given: list[tuple[int, int, Numbers]] = []
     for i, line in enumerate(scripts[0].lines):
         numbers = np.array([script.lines[i].value for script in scripts])
         if line.verb == "keep":
             states["ordered_depth"] = states["z"]
-            for surface, _ in KEPT:
+            for surface in KEPT:
                 states[f"{surface}_by_hand"][carries_surface(made, surface)] = 0.0
         elif line.what == "engine":
-            put(line.tick, "speed_by_hand", 1.0)
-            put(line.tick, "ordered_u_c", numbers)
+            given.append((line.tick, PLACES["speed_by_hand"], by_hand))
+            given.append((line.tick, PLACES["ordered_u_c"], numbers))
         else:
             surface, letter = SURFACES[line.what]
-            put(line.tick, f"{surface}_by_hand", 1.0)
             angle = neutral[line.what] + made.toward[surface] * numbers
-            put(line.tick, f"ordered_{letter}", angle)
-    return orders(ticks, places, np.array(values).T if values else [])
+            given.append((line.tick, PLACES[f"{surface}_by_hand"], by_hand))
+            given.append((line.tick, PLACES[f"ordered_{letter}"], angle))
+    if not given:
+        return NO_ORDERS
+    ticks, places, values = zip(*given, strict=True)
+    return orders(ticks, places, np.array(values).T)

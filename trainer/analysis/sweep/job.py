@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
@@ -71,32 +72,18 @@ def of_column(name: str, flight: Flight) -> Measure | None:
 
 def asked_of(study: "Study", flight: Flight, measures: Sequence[Measure]) -> tuple[Output, ...]:
     """Return what a study keeps of each member. ConfigError if it asks for what is not."""
-    try:
-        return choose_outputs(study.heading.measures, flight, measures)
-    except ConfigError as wrong:
-        raise ConfigError(f"{study.path.name}: {wrong}") from None
-
-
-def choose_outputs(
-    names: Sequence[str] | None, flight: Flight, measures: Sequence[Measure]
-) -> tuple[Output, ...]:
-    """Return what is kept: what ``names`` ask for, or all; ConfigError if one is nothing."""
-    known = {one.name: one for one in measures}
-    if names is None:
-        if not known:
-            ways = ", ".join(WAYS)
-            raise ConfigError(f"lacks measures: such as 'last z', by {ways} and a column")
-        return tuple(Output(one.name, one.unit) for one in known.values())
+    known, ways = {one.name: one for one in measures}, ", ".join(WAYS)
+    names, file = study.heading.measures, study.path.name
+    if names is None and not known:
+        raise ConfigError(f"{file}: lacks measures: such as 'last z', by {ways} and a column")
     found = []
-    for name in names:
+    for name in known if names is None else names:
         one = known.get(name) or of_column(name, flight)
         if one is None:
             columns = ", ".join(flight.series.columns)
             has = f"; there are {', '.join(known)}" if known else ""
-            raise ConfigError(
-                f"no measure {quote(name)}{nearest(name, known)}{has}; and "
-                f"{', '.join(WAYS)} of {columns}"
-            )
+            told = f"no measure {quote(name)}{nearest(name, known)}{has}; and {ways} of {columns}"
+            raise ConfigError(f"{file}: {told}")
         found.append(Output(one.name, one.unit))
     return tuple(found)
 
@@ -166,8 +153,9 @@ def fly_each(
     count: int,
     width: int,
     fly: Callable[[dict[str, Any], int], Sequence[float]],
+    done: Mapping[int, Sequence[float]] = MappingProxyType({}),
 ) -> Batch:
-    """Return members flown one by one.
+    """Return members flown one by one, but for those that are ``done``.
 
     ``fly`` takes a member's numbers and seed, and returns ``width`` numbers; its ConfigError says
     why there are none.
@@ -177,7 +165,7 @@ def fly_each(
     troubles: list[str | None] = [None] * count
     for i in range(count):
         try:
-            outputs[i] = fly(member(drawn, i), int(seeds[i]))
+            outputs[i] = done[i] if i in done else fly(member(drawn, i), int(seeds[i]))
         except ConfigError as wrong:
             troubles[i] = wrong.problems[0]
     return Batch(np.arange(first, first + count), seeds, drawn, outputs, tuple(troubles))
@@ -198,7 +186,7 @@ class Job:
     def facts(self) -> dict[str, Any]:
         """Return what the members' bits follow from, for a manifest, wherever the study lies."""
         return {
-            "study": study_name(self.name),
+            "study": Path(self.name).stem,
             "members": self.members,
             "files": as_seen_from(self.name, dict(self.texts)),
             "version": self.version,
@@ -235,11 +223,6 @@ class Opened:
         return self.subject.batch(first, min(self.subject.chunk, self.members - first))
 
 
-def study_name(name_or_path: str) -> str:
-    """Return the name of a study, which is that of its file."""
-    return Path(name_or_path).stem
-
-
 def as_seen_from(study: str, texts: Mapping[str, str]) -> dict[str, str]:
     """Return texts by their paths from a study's folder. Shipped files keep theirs."""
     if not is_path(study):
@@ -264,14 +247,10 @@ def job_of(name: str, members: int | None, make: Callable[[Study], Subject]) -> 
 def _open(name: str, members: int | None, make: Callable[[Study], Subject]) -> Opened:
     study = load_study(name)
     study = study if members is None else with_members(study, members)
-    return Opened(study, _check_outputs(make(study)))
-
-
-def _check_outputs(subject: Subject) -> Subject:
-    """Return the subject; ConfigError if what it is asked to keep is not there."""
+    subject = make(study)
     if not subject.outputs:
         raise ConfigError("there is nothing to keep of a member")
-    return subject
+    return Opened(study, subject)
 
 
 @lru_cache(maxsize=2)
@@ -296,7 +275,7 @@ def differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     study = str(then.get("study", ""))  # an earlier version's is its path
     then = {
         **then,
-        "study": study_name(study),
+        "study": Path(study).stem,
         "files": as_seen_from(study, then.get("files", {})),
     }
     found = [

@@ -1,5 +1,6 @@
 """Members fly a manoeuvre in fleets where orders are known, else one by one."""
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
@@ -15,7 +16,7 @@ from trainer.analysis.manoeuvres.submarine import COLUMNS, LAWS, STEEPEST, Rig, 
 from trainer.analysis.series import Series
 from trainer.analysis.sweep import fleets
 from trainer.analysis.sweep.fleets import Script, script_of
-from trainer.analysis.sweep.job import Batch, Output, asked_of, member, read_off
+from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, member, read_off
 from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.study import Study, method_of
 from trainer.boat.assemble import Method
@@ -84,12 +85,7 @@ def fly_case(case: Case) -> tuple[Manoeuvre, Flight]:
     """Return the manoeuvre of a case and its flight; ConfigError if it cannot begin."""
     boat = Submarine(case.file, case.method, case.rig)
     manoeuvre = manoeuvre_of(case.table, boat)
-    return manoeuvre, fly(boat, manoeuvre, _speed(case))
-
-
-def _speed(case: Case) -> float:
-    """Return the speed [m/s] that a boat begins with; ConfigError for a speed at rest."""
-    return speed_of(case.table, case.file.run.start_speed_kn)
+    return manoeuvre, fly(boat, manoeuvre, speed_of(case.table, case.file.run.start_speed_kn))
 
 
 TOGETHER, ALONE = 512, 16  # members of a chunk
@@ -109,7 +105,6 @@ class Manoeuvring:
         self.middle = case_of(study, study.draws.middle())
         self.trial, self.flight = fly_case(self.middle)
         self.boat = Submarine(self.middle.file, self.middle.method, self.middle.rig)
-        self.controls = self.boat.controls
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
@@ -129,53 +124,31 @@ class Manoeuvring:
         return TOGETHER if self.together else ALONE
 
     def _script(self, manoeuvre: Manoeuvre) -> Script | None:
-        return script_of(manoeuvre, self.middle.method.step, self.controls)
+        return script_of(manoeuvre, self.middle.method.step, tuple(self.boat.controls.items()))
 
     def batch(self, first: int, count: int) -> Batch:
         """Return what becomes of ``count`` members from ``first`` on."""
-        drawn = self.study.draws.drawn(first, count)
-        outputs = np.full((count, len(self.outputs)), np.nan)
-        left = set(range(count))
+        done: dict[int, list[float]] = {}
         if self.together:
+            drawn = self.study.draws.drawn(first, count)
             for begin in range(0, count, LANES):
                 part = {name: values[begin : begin + LANES] for name, values in drawn.items()}
                 size = min(LANES, count - begin)
-                for i, numbers in self._fleet(part, size):
-                    outputs[begin + i] = numbers
-                    left.discard(begin + i)
-        troubles: list[str | None] = [None] * count
-        for i in sorted(left):
-            outputs[i], troubles[i] = self._alone(member(drawn, i))
-        return Batch(
-            np.arange(first, first + count),
-            self.study.draws.seeds(first, count),
-            drawn,
-            outputs,
-            tuple(troubles),
-        )
+                cases, groups = self._cases(part, size), defaultdict(list)
+                for i, (_, manoeuvre) in cases.items():
+                    if (script := self._script(manoeuvre)) is not None:
+                        form = tuple(line[:3] for line in script.lines)
+                        groups[form, script.ticks].append(i)
+                for places in groups.values():
+                    done |= {begin + i: x for i, x in self._flown(part, cases, places)}
+        return fly_each(self.study.draws, first, count, len(self.outputs), self._alone, done)
 
-    def _alone(self, drawn: Mapping[str, Any]) -> tuple[list[float], str | None]:
-        """Return the numbers of one member flown by itself, or why there are none."""
-        nothing = [np.nan] * len(self.outputs)
-        try:
-            manoeuvre, flight = fly_case(case_of(self.study, drawn))
-        except ConfigError as wrong:
-            return nothing, wrong.problems[0]
+    def _alone(self, drawn: Mapping[str, Any], _seed: int) -> list[float]:
+        """Return the numbers of one member flown by itself; ConfigError why there are none."""
+        manoeuvre, flight = fly_case(case_of(self.study, drawn))
         if flight.lost:
-            return nothing, flight.lost
-        return read_off(self.outputs, flight, manoeuvre.measures(flight)), None
-
-    def _fleet(self, drawn: dict[str, Any], count: int) -> Iterable[tuple[int, list[float]]]:
-        """Yield place and numbers of the members that fly well; the others are left."""
-        cases = self._cases(drawn, count)
-        groups: dict[Any, list[int]] = {}
-        for i, (_, manoeuvre) in cases.items():
-            script = self._script(manoeuvre)
-            if script is not None:
-                form = tuple(line[:3] for line in script.lines)
-                groups.setdefault((form, script.ticks), []).append(i)
-        for places in groups.values():
-            yield from self._flown(drawn, cases, places)
+            raise ConfigError(flight.lost)
+        return read_off(self.outputs, flight, manoeuvre.measures(flight))
 
     def _cases(self, drawn: dict[str, Any], count: int) -> dict[int, tuple[Case, Manoeuvre]]:
         """Return case and manoeuvre of the members for which there can be any.
@@ -205,22 +178,17 @@ class Manoeuvring:
     def _by_coefficients(self) -> bool:
         """Return whether nothing but coefficients varies, and none that has to fit the hull."""
         keys = [variable.steps for variable in self.study.variables]
-        return all(
-            len(steps) > 1
-            and steps[0] == "vessel"
-            and steps[1] in LIMITS
-            and steps[-1] not in CHECKED
-            for steps in keys
-        )
+        named = (steps for steps in keys if len(steps) > 1 and steps[0] == "vessel")
+        good = [steps for steps in named if steps[1] in LIMITS and steps[-1] not in CHECKED]
+        return len(good) == len(keys)
 
     def _flown(
         self, drawn: dict[str, Any], cases: dict[int, tuple[Case, Manoeuvre]], places: list[int]
     ) -> Iterable[tuple[int, list[float]]]:
-        """Yield place and numbers of members whose scripts are alike, but for those left."""
+        """Yield place and numbers of members that fly well, whose scripts are alike."""
         own = [cases[i] for i in places]
         case = own[0][0]
-        scripts = [self._script(manoeuvre) for _, manoeuvre in own]
-        written = [script for script in scripts if script is not None]
+        written = [script for _, each in own if (script := self._script(each)) is not None]
         if self._by_coefficients:
             changes: dict[tuple[str, ...], Numbers] = {}
             for variable in self.study.variables:
@@ -229,13 +197,15 @@ class Manoeuvring:
             made = fleets.by_coefficients(self.boat.boat, changes, len(places))
         else:
             made = fleets.by_files([one.file for one, _ in own], case.method)
-        speeds = np.array([_speed(one) for one, _ in own])
-        ready = fleets.start_members(made, case.method, speeds, self._law(case), self.trial.needs)
-        schedule = fleets.join_scripts(ready, made, written)
-        flight = fly_members(ready.fleet, schedule, written[0].ticks, 1, PLACED)
+        speeds = np.array([speed_of(one.table, one.file.run.start_speed_kn) for one, _ in own])
+        law = LAWS[case.rig.law]
+        law = law if self.boat.boat.automatic else max(law, REPORT)  # without gains the report's
+        fleet, able = fleets.start_members(made, case.method, speeds, law, self.trial.needs)
+        schedule = fleets.join_scripts(fleet.states, made, written)
+        flight = fly_members(fleet, schedule, written[0].ticks, 1, PLACED)
         t = case.method.step * np.arange(written[0].ticks + 1.0)
         steep = np.abs(flight.rows[:, :, PLACED.index("theta")]) > STEEPEST
-        good = ready.fit & (flight.lost < 0) & ~steep.any(axis=1)
+        good = able & (flight.lost < 0) & ~steep.any(axis=1)
         named = Path(case.file.name)
         for i in np.flatnonzero(good):
             each, manoeuvre = own[i]
@@ -249,7 +219,3 @@ class Manoeuvring:
                 lost="",
             )
             yield places[i], read_off(self.outputs, seen, manoeuvre.measures(seen))
-
-    def _law(self, case: Case) -> float:
-        """Return the law of depth keeping; without gains the report's."""
-        return LAWS[case.rig.law] if self.boat.boat.automatic else max(LAWS[case.rig.law], REPORT)

@@ -12,6 +12,7 @@ from trainer.config.schema import (
     Quantity,
     Rows,
     Text,
+    Texts,
     Whole,
     above,
     list_schema,
@@ -30,24 +31,21 @@ WHOLE: Final = 2**49  # seeds are below it
 
 
 @dataclass(frozen=True)
-class Texts:
-    """A list of texts, each given once."""
-
-    each: Text
-    most: int
+class DistinctTexts(Texts):
+    """A list of texts, one at least, each given once."""
 
     @property
     def form(self) -> KeyForm:
         """Return unit, range and meaning, and the JSON Schema of its values."""
-        _, _, meaning, schema = self.each.form
-        schema = {**list_schema(schema, 1, self.most), "uniqueItems": True}
+        _, _, meaning, schema = super().form
+        schema = {**schema, "minItems": 1, "uniqueItems": True}
         return KeyForm("list of text", f"1 to {self.most} texts", meaning, schema)
 
     def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
-        """Return the texts; ConfigError if one is none or given twice."""
-        if not isinstance(value, list) or not 1 <= len(value) <= self.most:
+        """Return the texts; ConfigError if there is none, one is none, or is given twice."""
+        if value == []:
             raise ConfigError(place.wrong(key, value, f"must be a list of 1 to {self.most} texts"))
-        found = tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
+        found = super().read(key, value, place)
         twice = [text for text in found if found.count(text) > 1]
         if twice:
             raise ConfigError(place.wrong(key, value, f"names {twice[0]!r} twice"))
@@ -92,7 +90,7 @@ class Heading:
         Text(200, "a boat's name, or path of its or a ship's file; else bb2")
     )
     measures: tuple[str, ...] | None = optional(
-        Texts(Text(60, "what is kept of each member; else all there is"), 200)
+        DistinctTexts(Text(60, "what is kept of each member; else all there is"), 200)
     )
 
 
@@ -151,7 +149,7 @@ class IdentificationTable:
     bow_log_m: float | None = optional(Quantity("m", within(0, 600), "forward log"))
     stern_log_m: float | None = optional(Quantity("m", within(0, 600), "aft log"))
     outputs: tuple[str, ...] = of(
-        Texts(Text(20, f"channels read: {', '.join(CHANNELS)}"), len(CHANNELS))
+        DistinctTexts(Text(20, f"channels read: {', '.join(CHANNELS)}"), len(CHANNELS))
     )
     interval_s: float = of(Quantity("s", within(1e-4, 3600), "from sample to sample"))
     samples: int = of(Whole(10, 100_000, "of a record"))

@@ -1,6 +1,7 @@
 """A study's result as a page and as a plot: percentiles and tornado."""
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -65,15 +66,17 @@ class Report:
     effects: dict[str, tuple[Effect, ...]]  # by measure, widest first
 
 
+def numbers_of(table: Any, name: str) -> Numbers:
+    """Return a column with NaN for what is null."""
+    return np.asarray(table.column(name).to_numpy(zero_copy_only=False), float)
+
+
 def report_of(opened: Opened, table: Any, file: str) -> Report:
     """Return what a result says."""
     study = opened.study
-    troubles = [text for text in table.column(TROUBLE).to_pylist() if text]
-    each: dict[str, int] = {}
-    for text in troubles:
-        each[text] = each.get(text, 0) + 1
-    most = sorted(each.items(), key=lambda item: (-item[1], item[0]))[:TOLD]
-    columns = {output.name: _numbers(table, output.name) for output in opened.subject.outputs}
+    troubles = Counter(text for text in table.column(TROUBLE).to_pylist() if text)
+    most = sorted(troubles.items(), key=lambda item: (-item[1], item[0]))[:TOLD]
+    columns = {output.name: numbers_of(table, output.name) for output in opened.subject.outputs}
     variables = [one.row.name for one in study.variables if one.draw is None]
     drawn = {name: np.array(table.column(name).to_pylist()) for name in variables}
     return Report(
@@ -82,7 +85,7 @@ def report_of(opened: Opened, table: Any, file: str) -> Report:
         plan=study.draws.sample.plan,
         seed=study.draws.sample.seed,
         members=table.num_rows,
-        troubled=len(troubles),
+        troubled=troubles.total(),
         troubles=dict(most),
         spreads=tuple(
             spread_of(output.name, output.unit, columns[output.name])
@@ -90,12 +93,6 @@ def report_of(opened: Opened, table: Any, file: str) -> Report:
         ),
         effects={name: effects_of(drawn, values) for name, values in columns.items()},
     )
-
-
-def _numbers(table: Any, name: str) -> Numbers:
-    """Return a column with NaN for what is null."""
-    column = table.column(name).to_numpy(zero_copy_only=False)
-    return np.asarray(column, float)
 
 
 def spread_of(name: str, unit: str, values: Numbers) -> Spread:
@@ -115,39 +112,24 @@ def effects_of(drawn: dict[str, NDArray[Any]], values: Numbers) -> tuple[Effect,
     there = ~np.isnan(values)
     if there.sum() < FEWEST:
         return ()
-    found = []
-    for name, numbers in drawn.items():
-        of = numbers[there]
-        words = of.dtype.kind not in "fiu"
-        one = _by_word(name, of, values[there]) if words else _by_end(name, of, values[there])
-        found.append(one)
+    found = [_effect(name, numbers[there], values[there]) for name, numbers in drawn.items()]
     return tuple(sorted(found, key=lambda effect: -effect.width))
 
 
-def _by_end(name: str, numbers: Numbers, values: Numbers) -> Effect:
-    """Return the means over the tenth of members where a variable is lowest and highest."""
-    low = numbers <= np.quantile(numbers, TENTH, method="inverted_cdf")
-    high = numbers >= -np.quantile(-numbers, TENTH, method="inverted_cdf")
-    ends = [(float(numbers[end].mean()), float(values[end].mean())) for end in (low, high)]
-    return Effect(name, ends[0][0], ends[1][0], ends[0][1], ends[1][1])
+def _effect(name: str, of: NDArray[Any], values: Numbers) -> Effect:
+    """Return the means of ``values`` at the ends of a variable, or of its words with the extremes.
 
-
-def _by_word(name: str, words: NDArray[Any], values: Numbers) -> Effect:
-    """Return the words with the lowest and the highest mean."""
-    means = {str(word): float(values[words == word].mean()) for word in np.unique(words)}
-    low, high = min(means, key=means.__getitem__), max(means, key=means.__getitem__)
-    return Effect(name, low, high, means[low], means[high])
-
-
-def choose_measure(report: Report, name: str | None) -> Spread:
-    """Return the measure of that name, or the first; ConfigError if there is none."""
-    known = {spread.name: spread for spread in report.spreads}
-    if name is not None and name not in known:
-        raise ConfigError(
-            f"--measure {quote(name)}: no such measure{nearest(name, known)}; "
-            f"there are {', '.join(known)}"
+    An end is the tenth of members where the variable is lowest, or highest.
+    """
+    if of.dtype.kind in "fiu":
+        low = of <= np.quantile(of, TENTH, method="inverted_cdf")
+        high = of >= -np.quantile(-of, TENTH, method="inverted_cdf")
+        return Effect(
+            name, *(float(mean.mean()) for mean in (of[low], of[high], values[low], values[high]))
         )
-    return report.spreads[0] if name is None else known[name]
+    means = {str(word): float(values[of == word].mean()) for word in np.unique(of)}
+    least, most = min(means, key=means.__getitem__), max(means, key=means.__getitem__)
+    return Effect(name, least, most, means[least], means[most])
 
 
 HEADS: Final = ("", "unit", "mean", "std dev", "5 %", "50 %", "95 %", "members")
@@ -169,8 +151,15 @@ def render(report: Report) -> str:
         *wrap(f"result: {report.file}"),
         "",
     ]
+    rows = []
+    for spread in report.spreads:
+        factor, unit = on_page(spread.unit)
+        at = [spread.percentiles.get(f"{percent:g}", math.nan) for percent in SHOWN]
+        numbers = [factor * x for x in (spread.mean, spread.deviation, *at)]
+        texts = ["-" if math.isnan(x) else f"{x:.4g}" for x in numbers]
+        rows.append((spread.name, unit, *texts, str(spread.count)))
     covered = coverage(report)
-    lines += covered or table(HEADS, [_row(spread) for spread in report.spreads])
+    lines += covered or table(HEADS, rows)
     for spread in () if covered else report.spreads[:1]:
         lines += _effects(report, spread)
     if report.troubled:
@@ -178,15 +167,6 @@ def render(report: Report) -> str:
         for text, count in report.troubles.items():
             lines += wrap(f"{count} times: {text}", 2 * INDENT, 3 * INDENT)
     return "\n".join(lines)
-
-
-def _row(spread: Spread) -> tuple[str, ...]:
-    """Return one measure as a line of the table."""
-    factor, unit = on_page(spread.unit)
-    at = [spread.percentiles.get(f"{percent:g}", math.nan) for percent in SHOWN]
-    numbers = [factor * x for x in (spread.mean, spread.deviation, *at)]
-    texts = ["-" if math.isnan(x) else f"{x:.4g}" for x in numbers]
-    return (spread.name, unit, *texts, str(spread.count))
 
 
 def _effects(report: Report, spread: Spread) -> list[str]:
@@ -247,26 +227,34 @@ def member_page(study: str, member: int, told: dict[str, Any], outputs: tuple[Ou
 
 def panels(report: Report, result: Any, measure: str | None) -> tuple[Panel | Bars, ...]:
     """Return how one measure is spread, what moves it most, and over a grid how."""
-    spread = choose_measure(report, measure)
+    known = {spread.name: spread for spread in report.spreads}
+    if measure is not None and measure not in known:
+        raise ConfigError(
+            f"--measure {quote(measure)}: no such measure{nearest(measure, known)}; "
+            f"there are {', '.join(known)}"
+        )
+    spread = report.spreads[0] if measure is None else known[measure]
     factor, unit = on_page(spread.unit)
-    values = np.asarray(result.column(spread.name).to_numpy(zero_copy_only=False), float)
+    values = numbers_of(result, spread.name)
     values = np.sort(values[~np.isnan(values)]) * factor
     share = 100.0 * (np.arange(len(values)) + 0.5) / max(len(values), 1)
-    marks = tuple(
-        (
-            f"{percent:g} %: {factor * spread.percentiles[f'{percent:g}']:.4g}",
-            factor * spread.percentiles[f"{percent:g}"],
-        )
-        for percent in SHOWN
-        if spread.percentiles
-    )
+    shown = {f"{percent:g}" for percent in SHOWN}
+    at = [(name, factor * x) for name, x in spread.percentiles.items() if name in shown]
+    marks = tuple((f"{percent} %: {value:.4g}", value) for percent, value in at)
     along = f"{spread.name} [{unit}]"
     title = f"{spread.name} of {spread.count} members"
     below = Panel(title, along, "members below [%]", (Curve(spread.name, values, share),), marks)
     effects = report.effects[spread.name]
     if not effects:
         return (below,)
-    bars = tuple(_bar(effect, factor) for effect in effects)
+    bars = tuple(
+        Bar(
+            effect.variable,
+            (factor * effect.at_low, factor * effect.at_high),
+            (_format(effect.low), _format(effect.high)),
+        )
+        for effect in effects
+    )
     about = "mean where a variable is in its lowest (filled) and highest (hatched) tenth"
     tornado = Bars(about, along, bars, factor * spread.mean)
     return below, tornado, *grid_panels(report, result, spread)
@@ -282,35 +270,22 @@ def grid_panels(report: Report, result: Any, spread: Spread) -> tuple[Panel, ...
     if report.plan != GRID or len(names) < FEWEST:
         return ()
     drawn = {name: result.column(name).to_pylist() for name in names}
-    values = on_page(spread.unit)[0] * _numbers(result, spread.name)
+    factor, unit = on_page(spread.unit)
+    values = factor * numbers_of(result, spread.name)
     found = []
     for name in names:
         others = [other for other in names if other != name]
         settings = list(zip(*(drawn[other] for other in others), strict=True))
-        several = len(set(settings)) <= MOST_CURVES and not isinstance(drawn[name][0], str)
-        if several:
-            curves = tuple(
-                _over(np.array(drawn[name]), values, settings, setting, others)
-                for setting in dict.fromkeys(settings)
-            )
-            title = f"{spread.name} over {name}"
-            found.append(Panel(title, name, f"{spread.name} [{on_page(spread.unit)[1]}]", curves))
+        if len(set(settings)) > MOST_CURVES or isinstance(drawn[name][0], str):
+            continue
+        curves = []
+        for setting in dict.fromkeys(settings):
+            here = np.array([one == setting for one in settings])
+            along = np.array(drawn[name])[here]
+            order = np.argsort(along)
+            told = zip(others, map(_format, setting), strict=True)
+            label = ", ".join(f"{other} {value}" for other, value in told)
+            curves.append(Curve(label, along[order], values[here][order]))
+        title = f"{spread.name} over {name}"
+        found.append(Panel(title, name, f"{spread.name} [{unit}]", tuple(curves)))
     return tuple(found)
-
-
-def _over(
-    along: Numbers, values: Numbers, settings: list[Any], setting: Any, others: list[str]
-) -> Curve:
-    """Return the members of one setting of the other variables, by the one along."""
-    here = np.array([one == setting for one in settings])
-    order = np.argsort(along[here])
-    label = ", ".join(
-        f"{name} {_format(value)}" for name, value in zip(others, setting, strict=True)
-    )
-    return Curve(label, along[here][order], values[here][order])
-
-
-def _bar(effect: Effect, factor: float) -> Bar:
-    """Return one variable as a bar of the tornado."""
-    ends = factor * effect.at_low, factor * effect.at_high
-    return Bar(effect.variable, ends, (_format(effect.low), _format(effect.high)))

@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import os
 import shutil
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ import numpy as np
 from trainer.analysis.sweep.job import Batch, Job, Opened, differences
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
+from trainer.io.atomic_write import replacing, write_whole
 from trainer.io.file_lock import holding
 
 ROWS: Final = 65_536  # of a row group of the result
@@ -65,12 +65,8 @@ def write(table: Any, path: Path) -> None:
     """Write a table to a file that appears whole or not at all. OSError if it cannot be."""
     import pyarrow.parquet as pq  # noqa: PLC0415
 
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
-    with part.open("wb") as file:
-        pq.write_table(table, file, row_group_size=ROWS)
-        file.flush()
-        os.fsync(file.fileno())
-    part.replace(path)
+    with replacing(path) as made:
+        pq.write_table(table, made, row_group_size=ROWS)
 
 
 def read(path: Path) -> Any:
@@ -169,24 +165,14 @@ def take_up(job: Job, schema: Any, chunks: int, out: Path) -> Parts:
         if manifest.exists():
             _compare(json.loads(manifest.read_text(encoding="utf-8")), job, folder, "is of")
         else:
-            _write(manifest, json.dumps(job.facts, indent=1, sort_keys=True))
-        for stray in folder.glob("*.part"):
+            write_whole(manifest, json.dumps(job.facts, indent=1, sort_keys=True))
+        for stray in (*folder.glob("*.part"), *folder.glob(".*/*")):  # of a writer that was killed
             stray.unlink(missing_ok=True)
     except OSError as error:
         raise ConfigError(f"{folder}: cannot be written: {error.strerror}") from None
     except (json.JSONDecodeError, UnicodeDecodeError):
         raise ConfigError(f"{manifest}: is no manifest: delete {folder}, or give --out") from None
     return Parts(folder, schema, chunks)
-
-
-def _write(path: Path, text: str) -> None:
-    """Write a text that appears whole or not at all."""
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
-    with part.open("w", encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    part.replace(path)
 
 
 def result_of(job: Job, out: Path) -> Any:

@@ -55,16 +55,6 @@ BLANK: Final = "{}"  # in a text: where the number goes
 DECIMALS: Final = 9  # of a number in a text
 
 
-def vessel_tables(file: VesselFile) -> dict[str, Any]:
-    """Return a vessel's tables with all coefficients and all factors of compensation."""
-    tables, _ = with_defaults(parse_toml(file.text, file.path.name))
-    kept = [term.key for term in COEFFICIENTS if term.kept or term.key in file.compact.extra_terms]
-    factors = {
-        name: dict.fromkeys(kept, 1.0) | dict(file.compensation[name]) for name in EQUATION_SETS
-    }
-    return {**tables, "coefficients": dict(file.coefficients), "compensation": factors}
-
-
 def steps_of(key: str) -> tuple[Step, ...]:
     """Return the words and places of a key; ConfigError if it is none."""
     found: list[Step] = []
@@ -89,38 +79,30 @@ def value_at(tables: Any, steps: tuple[Step, ...]) -> Any:
         elif isinstance(here, list) and isinstance(step, int) and step < len(here):
             here = here[step]
         else:
-            raise ConfigError(f"{step!r} has no place there: {_holds(here)}")
+            kind = "it is a table" if isinstance(here, Mapping) else "it is no table and no list"
+            if isinstance(here, list):
+                kind = f"it is a list of {len(here)}, counted from 0"
+            raise ConfigError(f"{step!r} has no place there: {kind}")
     return here
 
 
-def _holds(here: Any) -> str:
-    """Return in words what can be stepped into."""
-    if isinstance(here, list):
-        return f"it is a list of {len(here)}, counted from 0"
-    if isinstance(here, Mapping):
-        return "it is a table"
-    return "it is no table and no list"
-
-
 def change_value(tables: Any, steps: tuple[Step, ...], value: Any) -> Any:
-    """Return the tables with another value there; those given stay as they are."""
+    """Return the tables with another value there, or in the blank of a text.
+
+    Those given stay as they are.
+    """
     if not steps:
-        return _fill_in(tables, value)
+        if not isinstance(tables, str) or BLANK not in tables:
+            return value
+        if not isinstance(value, str):
+            value = f"{value:.{DECIMALS}f}".rstrip("0").rstrip(".")
+        return tables.replace(BLANK, value)
     step, rest = steps[0], steps[1:]
     if isinstance(step, int):
         return [
             change_value(item, rest, value) if i == step else item for i, item in enumerate(tables)
         ]
     return {**tables, step: change_value(tables.get(step), rest, value)}
-
-
-def _fill_in(text: Any, value: Any) -> Any:
-    """Return the value, or where a text has a blank the text with the value in it."""
-    if not isinstance(text, str) or BLANK not in text:
-        return value
-    if not isinstance(value, str):
-        value = f"{value:.{DECIMALS}f}".rstrip("0").rstrip(".")
-    return text.replace(BLANK, value)
 
 
 MANOEUVRE, EXERCISE, IDENTIFICATION = "manoeuvre", "exercise", "identification"
@@ -220,6 +202,12 @@ def parse_study(text: str, path: Path) -> Study:
         parts["file"], parts["tables"] = _subject(parts["kind"], parts["heading"], table, path)
     if problems:
         raise ConfigError(*problems)
+    variables = []
+    for i, row in enumerate(parts["rows"]):
+        with collecting(problems):
+            variables.append(_variable(row, parts, place.inside(f"vary[{i}]")))
+    if problems:
+        raise ConfigError(*problems)
     return Study(
         path=path,
         heading=parts["heading"],
@@ -227,7 +215,7 @@ def parse_study(text: str, path: Path) -> Study:
         method=parts["method"],
         file=parts["file"],
         tables=parts["tables"],
-        variables=_variables(parts, place),
+        variables=tuple(variables),
         draws=Draws(parts["sample"], parts["rows"]),
     )
 
@@ -304,22 +292,22 @@ def _subject(
     if kind == MANOEUVRE:
         read_record(ManoeuvreTable, own, place.inside(kind), ("note",))
         own.pop("note", None)
-        ship = _ship_tables(beside(path, name or "bb2"))
-        if ship is not None:
-            return None, {WHOLE: ship, kind: own}
+        found = beside(path, name or "bb2")
+        if is_path(found):  # of a ship that was identified, or of a boat
+            ship = parse_toml(read_text(Path(found)), Path(found).name)
+            if ship.get("schema") == SHIP:
+                return None, {WHOLE: ship, kind: own}
     else:
         own = _exercise(own, heading, path)
         name = name or own.get("vessel")
     file = load_vessel(beside(path, name or "bb2"))
-    return file, {WHOLE: vessel_tables(file), kind: own}
-
-
-def _ship_tables(name: str) -> dict[str, Any] | None:
-    """Return the tables of a ship that was identified; None of a boat."""
-    if not is_path(name):
-        return None
-    table = parse_toml(read_text(Path(name)), Path(name).name)
-    return table if table.get("schema") == SHIP else None
+    tables, _ = with_defaults(parse_toml(file.text, file.path.name))
+    kept = [term.key for term in COEFFICIENTS if term.kept or term.key in file.compact.extra_terms]
+    factors = {
+        name: dict.fromkeys(kept, 1.0) | dict(file.compensation[name]) for name in EQUATION_SETS
+    }
+    boat = {**tables, "coefficients": dict(file.coefficients), "compensation": factors}
+    return file, {WHOLE: boat, kind: own}
 
 
 def _exercise(own: dict[str, Any], heading: Heading, path: Path) -> dict[str, Any]:
@@ -335,46 +323,22 @@ def _exercise(own: dict[str, Any], heading: Heading, path: Path) -> dict[str, An
     return {**base, **own}
 
 
-def _variables(parts: Mapping[str, Any], place: Place) -> tuple[Variable, ...]:
-    """Return what is varied and where it stands; ConfigError with all keys that lead nowhere."""
-    problems: list[str] = []
-    found = []
-    for i, row in enumerate(parts["rows"]):
-        inside = place.inside(f"vary[{i}]")
-        try:
-            found.append(_drawn_or_one(row, parts, inside))
-        except ConfigError as wrong:
-            problems += wrong.problems
-    if problems:
-        raise ConfigError(*problems)
-    return tuple(found)
-
-
-def _drawn_or_one(row: Vary, parts: Mapping[str, Any], place: Place) -> Variable:
-    """Return draws of a whole boat or ship, or one number that varies; ConfigError."""
-    tables = parts["tables"]
-    if row.distribution != ESTIMATE:
-        return _variable(row, tables, ROOTS[parts["kind"]], place)
-    if WHOLE not in tables or row.key != WHOLE:
-        told = f"must be {WHOLE}: an estimate is drawn whole, of a boat or a ship"
-        raise ConfigError(place.wrong("key", row.key, told))
-    if row.relative:
-        raise ConfigError(place.wrong("relative", row.relative, "an estimate has no factor"))
-    return Variable(row, (WHOLE,), None, _draw_of(parts["file"], tables[WHOLE], place))
-
-
-def _draw_of(file: VesselFile | None, table: Tables, place: Place) -> Draw:
-    """Return what draws the coefficients of a boat, or of a ship; ConfigError if nothing can."""
-    if file is None:
-        return filed_joint(table, place).drawn_tables
-    return partial(drawn_tables, filed_estimate(file, table))
-
-
-def _variable(row: Vary, tables: Tables, roots: tuple[str, ...], place: Place) -> Variable:
-    """Return one variable; ConfigError if its key leads nowhere."""
+def _variable(row: Vary, parts: Mapping[str, Any], place: Place) -> Variable:
+    """Return draws of a whole boat or ship, or one number; ConfigError if it cannot vary."""
+    tables, file = parts["tables"], parts["file"]
+    if row.distribution == ESTIMATE:
+        if WHOLE not in tables or row.key != WHOLE:
+            told = f"must be {WHOLE}: an estimate is drawn whole, of a boat or a ship"
+            raise ConfigError(place.wrong("key", row.key, told))
+        if row.relative:
+            raise ConfigError(place.wrong("relative", row.relative, "an estimate has no factor"))
+        if file is None:
+            return Variable(row, (WHOLE,), None, filed_joint(tables[WHOLE], place).drawn_tables)
+        made = filed_estimate(file, tables[WHOLE])
+        return Variable(row, (WHOLE,), None, partial(drawn_tables, made))
     try:
         steps = steps_of(row.key)
-        here = value_at({root: tables[root] for root in roots}, steps)
+        here = value_at({root: tables[root] for root in ROOTS[parts["kind"]]}, steps)
     except ConfigError as wrong:
         raise ConfigError(place.wrong("key", row.key, str(wrong))) from None
     if not row.relative:

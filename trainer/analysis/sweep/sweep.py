@@ -4,7 +4,7 @@ What is missing is flown, each chunk is kept, and one result is joined.
 """
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, as_completed
+from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, Final
@@ -47,40 +47,40 @@ def processes(count: int) -> Crew:
         try:
             futures = {pool.submit(fly_chunk, job, place): place for place in places}
             for future in as_completed(futures):
-                yield futures[future], _collect(future)
+                yield futures[future], future.result()
+        except BrokenProcessPool:
+            raise ConfigError(f"a process that flew members has ended; {AGAIN}") from None
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
     return fly
 
 
-def _collect(future: Future[Batch]) -> Batch:
-    """Return what a process has flown; ConfigError if it is gone."""
-    try:
-        return future.result()
-    except BrokenProcessPool:
-        raise ConfigError(f"a process that flew members has ended; {AGAIN}") from None
-
-
 def cluster(address: str) -> Crew:
     """Return the workers behind the Dask scheduler at ``address``."""
 
     def fly(job: Job, places: list[int]) -> Chunks:
-        client = _client(address)
+        client, library = _client(address)
         try:
             sent = client.scatter(job, broadcast=True, hash=False)
             futures = {client.submit(fly_chunk, sent, place, pure=False): place for place in places}
-            for future in _import_distributed().as_completed(list(futures), loop=client.loop):
-                yield futures[future], _answer(future)
+            for future in library.as_completed(list(futures), loop=client.loop):
+                yield futures[future], future.result()
+                future.release()
+        except (library.KilledWorker, library.CancelledError) as gone:
+            raise ConfigError(f"the cluster has lost a chunk ({gone}); {AGAIN}") from None
         finally:
             client.close()
 
     return fly
 
 
-def _client(address: str) -> Any:
-    """Return a connection to a scheduler with workers; ConfigError if there is none."""
-    library = _import_distributed()
+def _client(address: str) -> tuple[Any, Any]:
+    """Return a connection to a scheduler with workers, and its library; ConfigError without."""
+    require_library("distributed", "--scheduler")
+    import distributed  # noqa: PLC0415 - a second to import, and an extra
+
+    library: Any = distributed
     try:
         client = library.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as wrong:
@@ -89,26 +89,7 @@ def _client(address: str) -> Any:
         client.close()
         text = f"--scheduler {address}: it has no workers; start `dask worker {address}`"
         raise ConfigError(text)
-    return client
-
-
-def _import_distributed() -> Any:
-    """Return the library of the cluster; ConfigError saying what to install."""
-    require_library("distributed", "--scheduler")
-    import distributed  # noqa: PLC0415 - a second to import, and an extra
-
-    return distributed
-
-
-def _answer(future: Any) -> Batch:
-    """Return what a worker has flown; ConfigError if it is gone."""
-    library = _import_distributed()
-    try:
-        batch: Batch = future.result()
-    except (library.KilledWorker, library.CancelledError) as gone:
-        raise ConfigError(f"the cluster has lost a chunk ({gone}); {AGAIN}") from None
-    future.release()
-    return batch
+    return client, library
 
 
 Progress = Callable[[int], None]  # takes how many members more are finished
