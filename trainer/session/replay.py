@@ -95,18 +95,13 @@ def replay_anyway(recording: Recording, otherwise: Mapping[str, Any] = NOTHING) 
     boat = Boat(plan.file, plan.method)
     pace = method_of(header).step / plan.method.step
     course = Course(plan, boat, layout_of(header), pace, bool(otherwise), worlds_begun(recording))
-    with np.errstate(all="ignore"):
-        return [fly_branch(recording, branch, course) for branch in recording.branches()]
-
-
-def fly_branch(recording: Recording, branch: Branch, course: Course) -> Flight:
-    """Fly one branch again."""
-    flight = Flight(branch)
-    troubles: list[str] = []
-    with collecting(troubles):
-        _fly(recording, flight, course)
-    flight.trouble = "; ".join(troubles)
-    return flight
+    flights = [Flight(branch) for branch in recording.branches()]
+    for flight in flights:
+        troubles: list[str] = []
+        with collecting(troubles), np.errstate(all="ignore"):
+            _fly(recording, flight, course)
+        flight.trouble = "; ".join(troubles)
+    return flights
 
 
 def _fly(recording: Recording, flight: Flight, course: Course) -> None:

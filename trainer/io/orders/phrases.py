@@ -208,18 +208,12 @@ def spoken_as(expression: str) -> list[str]:
     return [each.split()[0] for each in inner.split("|")]
 
 
-def by_first_word() -> dict[str, list[tuple[re.Pattern[str], Phrase]]]:
-    """Return the expressions of the phrases, by the words that they may begin with."""
-    found: dict[str, list[tuple[re.Pattern[str], Phrase]]] = {}
-    for expression, phrase in COMPILED:
-        for word in first_words(phrase.pattern):
-            found.setdefault(word, []).append((expression, phrase))
-    return found
-
-
 DIGIT: Final = "0"  # stands for any number that a phrase may begin with
 COMPILED: Final = tuple((pattern(phrase.pattern), phrase) for phrase in PHRASES)
-BY_FIRST_WORD: Final = by_first_word()
+BY_FIRST_WORD: Final[dict[str, list[tuple[re.Pattern[str], Phrase]]]] = {}
+for _expression, _phrase in COMPILED:
+    for _word in first_words(_phrase.pattern):
+        BY_FIRST_WORD.setdefault(_word, []).append((_expression, _phrase))
 OPENINGS: Final = tuple(
     (re.compile("|".join(openings(phrase.pattern))), phrase.example) for phrase in PHRASES
 )

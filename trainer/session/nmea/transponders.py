@@ -48,12 +48,6 @@ def antenna(frame: Frame) -> float:
     return frame.height(*frame.fittings.sail)
 
 
-def audible(ship: Seen, frame: Frame, height: float) -> bool:
-    """Return whether a ship's transponder is heard by an antenna at a height [m]."""
-    reach = HEARD * (math.sqrt(height) + math.sqrt(ship.mast))
-    return math.hypot(ship.north - frame["x"], ship.east - frame["y"]) <= reach
-
-
 def interval(ship: Seen) -> float:
     """Return the time [s] between two position reports."""
     knots = ship.speed / KNOT
@@ -90,10 +84,12 @@ class Transponders:
         contacts, height = contacts_in(frame.boat), antenna(frame)
         if contacts is None or before is None or now <= before or height <= 0.0:
             return []
+        own, x, y = math.sqrt(height), frame["x"], frame["y"]
         return [
             line
             for ship in contacts.seen(frame.tick)
-            if ship.mmsi is not None and audible(ship, frame, height)
+            if ship.mmsi is not None
+            and math.hypot(ship.north - x, ship.east - y) <= HEARD * (own + math.sqrt(ship.mast))
             for messages in self._due(ship, before, now)
             for line in self._sentences(messages)
         ]
