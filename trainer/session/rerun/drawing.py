@@ -4,9 +4,9 @@ The world is north, east and down [m], with its origin where the run's is. What 
 follows the boat in whole squares of its grid, so that the boat is seen to move through it.
 """
 
-import functools
 import math
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -89,9 +89,10 @@ class Entity(NamedTuple):
     """One thing drawn: where it is, its numbers in a block, and the columns made of some rows."""
 
     path: str
-    read: Callable[[Block], Numbers]
-    draw: Callable[[Numbers], Columns]
+    read: Callable[[Block], Numbers] | None = None  # None: it is the same at all times
+    draw: Callable[[Numbers], Columns] = lambda _: ()
     always: bool = False  # at every tick; otherwise where it changes
+    fixed: Any = None  # what it is at all times
 
 
 def moved(places: Numbers) -> Columns:
@@ -107,25 +108,46 @@ def scalars(columns: Numbers) -> Columns:
 
 
 def entities(subject: Subject, size: Size) -> Iterator[Entity]:
-    """Yield all that is read off the state: the boat, what moves with it, charts."""
-    yield Entity(FOLLOWER, place_of, moved, always=True)
+    """Yield all that is drawn: the boat and what moves with it, its surroundings, charts."""
+    boat, length, reach = subject.boat, size.length, SQUARES * size.length
+    yield Entity(WORLD, fixed=rr.ViewCoordinates.FRD)
+    yield Entity(FOLLOWER, place_of, moved, always=True, fixed=rr.ViewCoordinates.FRD)
     yield Entity(BOAT, pose_of, posed, always=True)
-    for fin in fins_of(subject.boat, size):
-        yield Entity(f"{BOAT}/{fin.name}", fin.angle, functools.partial(turned, fin))
-    scope = periscope_of(subject.boat)
+    yield Entity(f"{BOAT}/hull", fixed=draw_mesh(hull_mesh(size), HULL))
+    if size.sail is not None:
+        yield Entity(f"{BOAT}/sail", fixed=draw_mesh(sail_mesh(size, size.sail), SAIL))
+    for fin in fins_of(boat, size):
+        yield Entity(f"{BOAT}/{fin.name}", fin.angle, partial(turned, fin))
+        yield Entity(f"{BOAT}/{fin.name}/shape", fixed=draw_mesh(fin.mesh, MOVING))
+    scope = periscope_of(boat)
     if scope and scope.fitted:
         extension = scope.fitted.extension_m
-        yield Entity(MAST, functools.partial(feet_of, scope, extension), moved)
-
-    near = functools.partial(square_of, size.length)
+        yield Entity(MAST, partial(feet_of, scope, extension), moved)
+        yield Entity(f"{MAST}/shape", fixed=draw_mesh(mast_mesh(size, extension), MOVING))
+    near = partial(square_of, length)
     yield Entity(NEAR, near, moved)
-    ground = ground_under(subject.boat)
-    if ground:
-        yield Entity(GROUND, near, functools.partial(grounds, ground, size))
+    if ground := ground_under(boat):
+        triangles = level_triangles(2 * SQUARES + 1)
+        sand = rr.Mesh3D.from_fields(triangle_indices=triangles, albedo_factor=SAND)
+        yield Entity(GROUND, near, partial(grounds, ground, size), fixed=sand)
     yield Entity(SEA, level_of, moved)
-    yield Entity(ORDERED, ordered_of, functools.partial(frames, size))
-    for chart in charts_of(subject.boat):
-        yield Entity(chart.path, chart.columns, scalars, always=True)
+    yield Entity(f"{SEA}/surface", fixed=draw_mesh(square(reach), WATER))
+    squares = rr.LineStrips3D(grid(reach, length), colors=GRID, radii=0.0015 * length)
+    yield Entity(f"{SEA}/grid", fixed=squares)
+    depths = {
+        "limit": subject.limits.depth_m_max,
+        "upper limit": subject.limits.depth_m_min,
+        "deepest allowed": boat.file.hull.max_depth_m,
+    }
+    for name, depth in depths.items():
+        if depth is not None:
+            strips, label, radius = [outline(reach, depth)], f"{name} {depth:g} m", 0.006 * length
+            frame = rr.LineStrips3D(strips, colors=FORBIDDEN, radii=radius, labels=label)
+            yield Entity(f"{NEAR}/{name.replace(' ', '_')}", fixed=frame)
+    yield Entity(ORDERED, ordered_of, partial(frames, size))
+    for chart in charts_of(boat):
+        yield Entity(chart.path, chart.columns, scalars, always=True, fixed=lines(chart.labels))
+    yield Entity(LEDGER, fixed=lines(LEDGER_LABELS))
 
 
 def place_of(block: Block) -> Numbers:
@@ -201,39 +223,6 @@ def grounds(ground: Bottom, size: Size, places: Numbers) -> Columns:
     return columns.partition(np.full(len(points), north.size, np.int32))
 
 
-def constants(subject: Subject, size: Size) -> Iterator[tuple[str, Any]]:
-    """Yield what is the same at all times: shapes, frames at depths, how lines are drawn."""
-    yield WORLD, rr.ViewCoordinates.FRD
-    yield FOLLOWER, rr.ViewCoordinates.FRD
-    yield f"{BOAT}/hull", draw_mesh(hull_mesh(size), HULL)
-    if size.sail is not None:
-        yield f"{BOAT}/sail", draw_mesh(sail_mesh(size, size.sail), SAIL)
-    for fin in fins_of(subject.boat, size):
-        yield f"{BOAT}/{fin.name}/shape", draw_mesh(fin.mesh, MOVING)
-    scope, reach, length = periscope_of(subject.boat), SQUARES * size.length, size.length
-    if scope and scope.fitted:
-        yield f"{MAST}/shape", draw_mesh(mast_mesh(size, scope.fitted.extension_m), MOVING)
-    yield f"{SEA}/surface", draw_mesh(square(reach), WATER)
-    if ground_under(subject.boat):
-        triangles = level_triangles(2 * SQUARES + 1)
-        yield GROUND, rr.Mesh3D.from_fields(triangle_indices=triangles, albedo_factor=SAND)
-    squares = rr.LineStrips3D(grid(reach, length), colors=GRID, radii=0.0015 * length)
-    yield f"{SEA}/grid", squares
-    depths = {
-        "limit": subject.limits.depth_m_max,
-        "upper limit": subject.limits.depth_m_min,
-        "deepest allowed": subject.boat.file.hull.max_depth_m,
-    }
-    for name, depth in depths.items():
-        if depth is not None:
-            strips, label, radius = [outline(reach, depth)], f"{name} {depth:g} m", 0.006 * length
-            frame = rr.LineStrips3D(strips, colors=FORBIDDEN, radii=radius, labels=label)
-            yield f"{NEAR}/{name.replace(' ', '_')}", frame
-    for chart in charts_of(subject.boat):
-        yield chart.path, lines(chart.labels)
-    yield LEDGER, lines(LEDGER_LABELS)
-
-
 def lines(labels: Sequence[str]) -> Any:
     """Return how the lines of a chart are drawn."""
     colours = [COLOURS[i % len(COLOURS)] for i in range(len(labels))]
@@ -290,14 +279,17 @@ class Drawing:
         rr.send_recording_name(self._subject.title, recording=self._stream)
 
     def _begin(self) -> None:
-        for path, archetype in constants(self._subject, self._size):
-            self._fix(path, archetype)
+        for entity in self._entities:
+            if entity.fixed is not None:
+                self._fix(entity.path, entity.fixed)
 
     def write(self, batch: Batch) -> None:
         """Write a batch, and bring it out; RuntimeError if the viewer is gone."""
         block = batch.block
         if block.times.ticks.size:
             for entity in self._entities:
+                if entity.read is None:
+                    continue
                 values = entity.read(block)
                 rows = entity.always | self._changes.of(entity.path, values)
                 if rows.any():
