@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from trainer.io.atomic_write import replacing
 from trainer.io.recording.recording import Noted, Recording, RecordingError
@@ -175,16 +175,6 @@ COLUMNS: Final = (
 )
 
 
-class Columns(Protocol):
-    """Where each tick's columns go."""
-
-    trouble: str
-
-    def row(self, values: Sequence[float]) -> None:
-        """Take the columns of one tick."""
-        ...
-
-
 class CsvFile:
     """Rows on their way to a file; trouble with the disk is kept, not raised."""
 
@@ -234,9 +224,6 @@ class NoFile:
 
     def row(self, values: Sequence[float]) -> None:
         """Drop it."""
-
-    def flush(self) -> None:
-        """Do nothing."""
 
     def close(self) -> None:
         """Do nothing."""

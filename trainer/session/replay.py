@@ -37,7 +37,7 @@ from trainer.session.history import History, WorldOrders, order_of, settle_world
 from trainer.session.layout import Unlike, read_state, unlike
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
-from trainer.session.run import PreparedRun, fly
+from trainer.session.run import Begun, PreparedRun, fly
 from trainer.session.warm_up import set_garbage_aside, warm
 
 
@@ -192,7 +192,8 @@ def resume_boat(
         how = "at its end; --duration goes on beyond it"
     click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)
     plan = plan if seconds is None else replace(plan, duration=seconds)
-    return fly(PreparedRun(plan, boat, history, str(path), debriefing=debriefing), options).code
+    begun = Begun(debriefing=debriefing)
+    return fly(PreparedRun(plan, boat, history, str(path), begun), options).code
 
 
 def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:

@@ -381,9 +381,6 @@ def powers(role: Role) -> list[str]:
     return textwrap.wrap(told, WIDTH)
 
 
-# Where stations come in by themselves, as a session knows it.
-
-
 class Reception(Protocol):
     """Where stations come in by themselves."""
 
@@ -395,13 +392,3 @@ class Reception(Protocol):
     def newcomers(self) -> list[Station]:
         """Return those that have come since the last call."""
         ...
-
-
-class Closed:
-    """Nobody comes in by himself."""
-
-    awaited = False
-
-    def newcomers(self) -> list[Station]:
-        """Return nobody."""
-        return []
