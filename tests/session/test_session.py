@@ -18,7 +18,7 @@ from trainer.io.lines import Overlong
 from trainer.io.orders.grammar import LONGEST
 from trainer.io.orders.schedule import parse_schedule
 from trainer.io.recording.recording import Recording
-from trainer.io.tables import COLUMNS, NoFile
+from trainer.io.tables import COLUMNS
 from trainer.session.history import History
 from trainer.session.session import Session
 from trainer.session.stations.roles import Access
@@ -85,8 +85,10 @@ class Script:
         del subscription
 
 
-class Rows(NoFile):
+class Rows:
     """A recorder of ticks."""
+
+    trouble = ""
 
     def __init__(self) -> None:
         self.kept: list[tuple[float, ...]] = []

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from trainer.io.atomic_write import replacing
 from trainer.io.recording.recording import Noted, Recording, RecordingError
@@ -173,6 +173,16 @@ COLUMNS: Final = (
     *("delta_r", "delta_s", "delta_b", "u_c", "weight", "x_g", "z_g", "eta_wave"),
     "validity",
 )
+
+
+class Columns(Protocol):
+    """Where each tick's columns go."""
+
+    trouble: str
+
+    def row(self, values: Sequence[float]) -> None:
+        """Take the columns of one tick."""
+        ...
 
 
 class CsvFile:

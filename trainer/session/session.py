@@ -17,7 +17,7 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.recording import Moment, RecordingError
-from trainer.io.tables import CsvFile, NoFile
+from trainer.io.tables import Columns
 from trainer.session.agenda import HEAD as PLANNED
 from trainer.session.agenda import PLANNING, Agenda
 from trainer.session.conduct import Conduct
@@ -52,7 +52,7 @@ class Session:
     boat: Boat
     time: Timekeeping
     history: History
-    recorder: CsvFile | NoFile
+    recorder: Columns
     columns: tuple[str, ...]
     sending: Sending
     reception: Reception | None = None

@@ -131,7 +131,10 @@ READINGS: Final[Mapping[str, Reading]] = {
 
 
 def sight(frame: Frame, chart: Chart, start: datetime) -> dict[str, str]:
-    """Return each field at a tick of a session that began at ``start``, by its name."""
+    """Return each field at a tick by its name.
+
+    The session began at ``start``, UTC.
+    """
     values = {name: reading.read(frame) for name, reading in READINGS.items()}
     position = chart.position(frame["x"], frame["y"])
     at = start + timedelta(seconds=frame.seconds)
@@ -145,7 +148,7 @@ def describe(
     position: tuple[float, float],
     rung: str,
 ) -> dict[str, str]:
-    """Return each field as text by its name: readings, a tick, UTC, a position [deg], a bell."""
+    """Return each field as text by its name; ``at`` is UTC, ``position`` in degrees."""
     texts = {
         name: number(float(value) if isinstance(value, float | int) else None, reading.decimals)
         for (name, reading), value in zip(READINGS.items(), values.values(), strict=True)

@@ -1,4 +1,4 @@
-"""Time series of a block as charts, and states as words under a time line: two tables."""
+"""Time series of a block as charts, and states as words under a time line."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field

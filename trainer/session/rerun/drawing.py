@@ -1,4 +1,4 @@
-"""The drawing of one run: a table of entities, and what walks it for a file or a viewer.
+"""The drawing of one run, by a table of entities, for a file or a viewer.
 
 The world is north, east and down [m], with its origin where the run's is. What surrounds the boat
 follows the boat in whole squares of its grid, so that the boat is seen to move through it.
@@ -86,7 +86,7 @@ Columns = Any  # of the library, whose makers give no type
 
 
 class Entity(NamedTuple):
-    """One thing drawn: where it is, its numbers in a block, and the columns made of some rows."""
+    """One thing drawn: its path, its numbers in a block, and its columns."""
 
     path: str
     read: Callable[[Block], Numbers] | None = None  # None: it is the same at all times
@@ -179,7 +179,7 @@ def turned(fin: Fin, angle: Numbers) -> Columns:
 
 
 def feet_of(scope: Periscope, extension: float, block: Block) -> Numbers:
-    """Return how far the periscope's mast is out of the sail: its foot in the body's axes [m]."""
+    """Return where the foot of the periscope's mast is, in the body's axes [m]."""
     heads = [scope.head(scope.at(tick)) for tick in block.times.ticks.tolist()]
     return np.array([(x, 0.0, z + extension) for x, z in heads]).reshape(-1, 3)
 
@@ -245,7 +245,7 @@ def colour_code(colour: Colour) -> int:
 
 
 class Drawing:
-    """One recording of Rerun's on its way to a file or a viewer; for one thread only.
+    """One recording of Rerun's on its way out; for one thread only.
 
     A write raises what the library does; a viewer that hangs holds it up for as long.
     """

@@ -112,7 +112,7 @@ class Viewer:
         self._host, self._port, self._drawing, self._there = host, port, drawing, there
 
     def open(self) -> None:
-        """Send what is the same at all times, to one whose window is opened if need be."""
+        """Send what is the same at all times. Its window is opened if need be."""
         if not self._there:
             open_window(self._port)
         self._drawing.connect(self._host, self._port)
