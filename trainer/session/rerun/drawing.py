@@ -1,4 +1,4 @@
-"""The drawing of one run, by a table of entities, for a file or a viewer.
+"""The drawing of one run, by one table of what there is to see.
 
 The world is north, east and down [m], with its origin where the run's is. What surrounds the boat
 follows the boat in whole squares of its grid, so that the boat is seen to move through it.

@@ -114,7 +114,7 @@ class Roster:
 
 
 class RosterSender:
-    """What sends to whom a roster has."""
+    """The part of a sender that knows its roster."""
 
     def __init__(self, roster: Roster, clock: Callable[[], float] = time.monotonic) -> None:
         self.roster = roster
