@@ -9,11 +9,12 @@ import sys
 import threading
 import time
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from trainer.session.time.ledger import RECENT, SECOND, Histogram, Ledger
+from trainer.session.time.ledger import SECOND, Histogram, Ledger
 from trainer.session.time.pacer import (
     MAX_CATCH_UP,
     SLOWEST,
@@ -59,13 +60,34 @@ class FakeClock:
         self.time += duration
 
 
+class Entry(NamedTuple):
+    """One tick as it was entered [ns]."""
+
+    deadline: int
+    start: int
+    work: int
+
+
+class DetailedLedger(Ledger):
+    """A ledger that keeps every tick."""
+
+    def __init__(self, step: float) -> None:
+        super().__init__(step)
+        self.rows: list[Entry] = []
+
+    def record(self, deadline: int, start: int, work: int) -> None:
+        """Enter one tick [ns], and keep it."""
+        super().record(deadline, start, work)
+        self.rows.append(Entry(deadline, start, work))
+
+
 class Bench:
     """A running pacer on a fake clock, and the start of every tick since."""
 
     def __init__(
         self, policy: Policy = Policy.CATCH_UP, step: float = 0.5, speed: float = 1.0
     ) -> None:
-        self.clock, self.ledger, self.wake = FakeClock(), Ledger(step), threading.Event()
+        self.clock, self.ledger, self.wake = FakeClock(), DetailedLedger(step), threading.Event()
         self.pacer = Pacer(self.clock, self.ledger, speed, policy)
         self.begun = self.clock.time
         self.starts: list[int] = []
@@ -343,7 +365,7 @@ def test_work_never_contains_the_wait() -> None:
     bench.wake.clear()
     bench.tick(7)
 
-    assert bench.ledger.recent()["work"].tolist() == [7, 7, 7]
+    assert [tick.work for tick in bench.ledger.rows] == [7, 7, 7]
 
 
 def test_no_tick_on_time_asks_the_system_for_its_processor_time() -> None:
@@ -367,8 +389,7 @@ def test_a_single_step_in_a_freeze_is_recorded_on_time() -> None:
     bench.clock.work(9)
     assert bench.pacer.end() == ()
 
-    last = bench.ledger.recent()[-1]
-    assert (last["work"], last["lateness"]) == (9, 0)
+    assert (bench.ledger.work, bench.ledger.lateness) == (9, 0)
 
 
 def test_unpaced_ticks_are_always_due_and_their_work_is_still_measured() -> None:
@@ -437,16 +458,6 @@ def test_a_lone_duration_is_every_percentile(duration: int) -> None:
     assert set(dataclasses.astuple(histogram.spread())) == {duration}
 
 
-def test_the_ledger_keeps_the_last_ticks_oldest_first() -> None:
-    ledger = Ledger(0.5)
-    for tick in range(RECENT + 3):
-        ledger.record(tick, tick + 2, 5)
-
-    recent = ledger.recent()
-    assert recent["deadline"].tolist() == list(range(3, RECENT + 3))
-    assert set(recent["lateness"].tolist()) == {2}
-
-
 def test_an_empty_ledger_has_a_summary_and_any_summary_is_json() -> None:
     summary = Ledger(0.5).summary()
 
@@ -469,7 +480,8 @@ def test_the_real_wait_ends_at_the_deadline_or_when_woken() -> None:
 
 def test_overruns_provoked_on_the_real_clock_are_counted_exactly() -> None:
     chosen = {3, 4, 9, 17}
-    pacer = Pacer(MonotonicClock(), Ledger(0.04), 1.0, Policy.CATCH_UP)
+    ledger = DetailedLedger(0.04)
+    pacer = Pacer(MonotonicClock(), ledger, 1.0, Policy.CATCH_UP)
     wake = threading.Event()
     pacer.run()
     for tick in range(22):
@@ -479,11 +491,10 @@ def test_overruns_provoked_on_the_real_clock_are_counted_exactly() -> None:
             time.sleep(0.06)
         pacer.end()
 
-    recent = pacer.ledger.recent()
     summary = pacer.ledger.summary()
     assert summary.overruns == len(chosen)
-    assert set(np.flatnonzero(recent["work"] >= 60_000_000).tolist()) == chosen
-    assert np.ptp(recent["deadline"]) == 21 * 40_000_000
+    assert {i for i, tick in enumerate(ledger.rows) if tick.work >= 60_000_000} == chosen
+    assert ledger.rows[-1].deadline - ledger.rows[0].deadline == 21 * 40_000_000
     assert summary.gaps == 0
 
 
@@ -493,8 +504,15 @@ from trainer.session.time.pacer import MonotonicClock
 from trainer.session.time.pacer import Pacer, Policy
 from trainer.session.time.ledger import Ledger
 
+deadlines = []
+
+class DetailedLedger(Ledger):
+    def record(self, deadline, start, work):
+        super().record(deadline, start, work)
+        deadlines.append(deadline)
+
 clock, wake = MonotonicClock(), threading.Event()
-pacer = Pacer(clock, Ledger(0.5), 1.0, Policy.CATCH_UP)
+pacer = Pacer(clock, DetailedLedger(0.5), 1.0, Policy.CATCH_UP)
 pacer.run()
 for tick in range(5):
     pacer.wait(wake)
@@ -502,7 +520,7 @@ for tick in range(5):
     print(tick, flush=True)
     pacer.end()
 summary = pacer.ledger.summary()
-print(*pacer.ledger.recent()["deadline"], flush=True)
+print(*deadlines, flush=True)
 print(summary.gaps, summary.gap_ns, summary.caught_up, summary.skipped, flush=True)
 """
 

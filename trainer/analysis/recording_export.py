@@ -47,7 +47,7 @@ def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | Non
         for form, out in chosen.items():
             if form == "rrd":
                 require_library("rerun", "--rrd")
-                from trainer.session.rerun.conversion import (  # noqa: PLC0415  a second to import
+                from trainer.session.rerun.request import (  # noqa: PLC0415  a second to import
                     write_record,
                 )
 

@@ -235,8 +235,5 @@ class NoFile:
     def row(self, values: Sequence[float]) -> None:
         """Drop it."""
 
-    def flush(self) -> None:
-        """Do nothing."""
-
     def close(self) -> None:
         """Do nothing."""

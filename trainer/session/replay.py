@@ -37,7 +37,7 @@ from trainer.session.history import History, WorldOrders, order_of, settle_world
 from trainer.session.layout import Unlike, read_state, unlike
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
-from trainer.session.run import PreparedRun, fly
+from trainer.session.run import Begun, PreparedRun, fly
 from trainer.session.warm_up import set_garbage_aside, warm
 
 
@@ -95,18 +95,13 @@ def replay_anyway(recording: Recording, otherwise: Mapping[str, Any] = NOTHING) 
     boat = Boat(plan.file, plan.method)
     pace = method_of(header).step / plan.method.step
     course = Course(plan, boat, layout_of(header), pace, bool(otherwise), worlds_begun(recording))
-    with np.errstate(all="ignore"):
-        return [fly_branch(recording, branch, course) for branch in recording.branches()]
-
-
-def fly_branch(recording: Recording, branch: Branch, course: Course) -> Flight:
-    """Fly one branch again."""
-    flight = Flight(branch)
-    troubles: list[str] = []
-    with collecting(troubles):
-        _fly(recording, flight, course)
-    flight.trouble = "; ".join(troubles)
-    return flight
+    flights = [Flight(branch) for branch in recording.branches()]
+    for flight in flights:
+        troubles: list[str] = []
+        with collecting(troubles), np.errstate(all="ignore"):
+            _fly(recording, flight, course)
+        flight.trouble = "; ".join(troubles)
+    return flights
 
 
 def _fly(recording: Recording, flight: Flight, course: Course) -> None:
@@ -197,7 +192,8 @@ def resume_boat(
         how = "at its end; --duration goes on beyond it"
     click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)
     plan = plan if seconds is None else replace(plan, duration=seconds)
-    return fly(PreparedRun(plan, boat, history, str(path), debriefing=debriefing), options).code
+    begun = Begun(debriefing=debriefing)
+    return fly(PreparedRun(plan, boat, history, str(path), begun), options).code
 
 
 def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:
@@ -261,11 +257,9 @@ def replay_file(path: Path, otherwise: Mapping[str, Any], *, anyway: bool, as_js
         for note in (*found, *notes(header)):
             click.echo(plain(f"note: {note}"), err=True)
         flights = replay_anyway(recording, otherwise)
-    click.echo(
-        json_text([as_row(each) for each in flights], indent=1)
-        if as_json
-        else flights_page(flights)
-    )
+    lines = (plain(line) for flight in flights for line in describe_flight(flight))
+    rows = [as_row(each) for each in flights]
+    click.echo(json_text(rows, indent=1) if as_json else "\n".join(lines))
     return 0 if all(flight.same for flight in flights) else 1
 
 
@@ -283,11 +277,6 @@ def as_row(flight: Flight) -> dict[str, Any]:
         "answers": flight.answers,
         "trouble": flight.trouble,
     }
-
-
-def flights_page(flights: list[Flight]) -> str:
-    """Return the flights as lines."""
-    return "\n".join(plain(line) for flight in flights for line in describe_flight(flight))
 
 
 def describe_flight(flight: Flight) -> list[str]:

@@ -42,7 +42,7 @@ from trainer.session.session import Session
 from trainer.session.stations.briefing import Briefing
 from trainer.session.stations.past import recalled
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER
-from trainer.session.stations.station import Closed, Fact
+from trainer.session.stations.station import Fact
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
 from trainer.session.stations.view import StateReader
 from trainer.session.time.ledger import SECOND
@@ -76,18 +76,16 @@ class PreparedRun:
     boat: Boat
     history: History
     kept: str  # path of the recording, "" for none
-    clock: Clock = field(default_factory=MonotonicClock)
-    debriefing: Debriefing | None = None
+    begun: "Begun"
     following: Following = field(default_factory=Following)
-    pages: PageServer | None = None
 
 
 @dataclass
 class Begun:
     """The parts that outlive an exercise: clock, judge, pages for browsers."""
 
-    clock: Clock
-    debriefing: Debriefing | None
+    clock: Clock = field(default_factory=MonotonicClock)
+    debriefing: Debriefing | None = None
     pages: PageServer | None = None
 
 
@@ -124,10 +122,11 @@ def run_once(options: RunOptions, begun: Begun) -> Ended:
         raise ConfigError("--trainee: this run is not recorded, and keeps no names: --record FILE")
     if paths or options.serve or not options.headless:
         kept, recording = create_recording(paths, header_of(options, texts, boat), state)
+    files = options.csv_path, options.rrd, options.nmea_record  # another run would replace them
+    barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
     prepared = PreparedRun(
-        *(plan, boat, History(boat, recording), str(kept or ""), begun.clock, begun.debriefing),
-        following_of(options),
-        begun.pages,
+        *(plan, boat, History(boat, recording), str(kept or ""), begun),
+        Following(problem_with(load_exercise), barred),
     )
     try:
         return fly(prepared, options)
@@ -148,13 +147,6 @@ def refuse_automatic(plan: Plan, path: Path | None) -> None:
     ]
     if problems:
         raise ConfigError(*problems)
-
-
-def following_of(options: RunOptions) -> Following:
-    """Return the exercises that may follow a run. Any may, if a recording is all it writes."""
-    files = options.csv_path, options.rrd, options.nmea_record
-    barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
-    return Following(problem_with(load_exercise), barred)
 
 
 def discard(kept: Path | None) -> None:
@@ -224,7 +216,7 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
     recorder = open_csv(options.csv_path, 1 if math.isfinite(options.speed) else BATCH)
     endless = plan.duration is None or lives_on(options)
     last_tick = math.inf if endless else round((plan.duration or 0.0) / method.step)
-    time = Timekeeping.at(prepared.clock, method.step, options.speed, Policy(options.overrun))
+    time = Timekeeping.at(prepared.begun.clock, method.step, options.speed, Policy(options.overrun))
     time.punctuality = Punctuality(realtime=options.priority == "realtime")
     publisher = open_publisher(boat, time, options)
     log = open_log(publisher, time.ledger, Subject.of(plan, boat), options)
@@ -261,7 +253,7 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
         shown = progress_bar(last_tick) if options.headless else contextlib.nullcontext()
         quiet = np.errstate(all="ignore")
         with interrupts(session):
-            open_door(ports, session, options, prepared.pages)
+            open_door(ports, session, options, prepared.begun.pages)
             started = time.clock.now()
             with quiet, shown as session.progress, time.attended():
                 session.run(frozen=options.frozen)
@@ -285,7 +277,7 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
 def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> None:
     """Settle how a session is conducted: its exercise's end, its judge, and what follows."""
     plan, conduct = prepared.plan, session.conduct
-    conduct.debriefing, conduct.following = prepared.debriefing, prepared.following
+    conduct.debriefing, conduct.following = prepared.begun.debriefing, prepared.following
     conduct.scored = bool(plan.scores)
     conduct.visitors = plan.visitors
     conduct.kept = Path(prepared.kept) if prepared.kept else None
@@ -341,7 +333,7 @@ def open_door(
     ports: Ports, session: Session, options: RunOptions, pages: PageServer | None
 ) -> None:
     """Open the sockets for those who come, and greet those who are there."""
-    session.reception = ports.lobby(options) or Closed()
+    session.reception = ports.lobby(options)
     if options.browse:
         session.event_log.hearers.append(ports.news_printer())
     if pages:

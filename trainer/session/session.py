@@ -30,7 +30,7 @@ from trainer.session.standing import Standing
 from trainer.session.stations.briefing import Briefing, hint, in_words, ranges
 from trainer.session.stations.display import panel
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
-from trainer.session.stations.station import Asked, Closed, Fact, Reception, Station
+from trainer.session.stations.station import Asked, Fact, Reception, Station
 from trainer.session.stations.subscriptions import Sending
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.status import status_lines
@@ -55,7 +55,7 @@ class Session:
     recorder: Columns
     columns: tuple[str, ...]
     sending: Sending
-    reception: Reception = field(default_factory=Closed)
+    reception: Reception | None = None
     schedule: Sequence[Scheduled] = ()
     armed: Sequence[Armed] = ()  # casualties of the exercise that wait for a condition
     monitor: LimitMonitor = field(default_factory=LimitMonitor)
@@ -173,7 +173,7 @@ class Session:
 
     def _admit_newcomers(self) -> None:
         """Let those be stations who have come since the last call."""
-        for station in self.reception.newcomers():
+        for station in self.reception.newcomers() if self.reception else ():
             if station.role is not STRANGER:  # who has to say who it is, is told nothing before
                 self.greet(station)
             self.event_log.stations.append(station)
@@ -217,7 +217,7 @@ class Session:
 
     def _deserted(self) -> bool:
         """Return whether nobody can let time, which stands still, go on."""
-        if self.reception.awaited:
+        if self.reception and self.reception.awaited:
             return False
         silent = all(station.line.ended for station in self.event_log.stations)
         self.listen()  # what came before the silence

@@ -164,7 +164,9 @@ def parse(line: str) -> Order | BadOrder | None:
             return Order("aye", 0.0, "", f"{words} aye".strip(), (), words)
         if plan := PLAN.fullmatch(said):
             return planned(plan)
-        words = as_one(said)
+        words = said
+        for pattern, whole in SAID_IN_TWO:  # one in the table
+            words = pattern.sub(whole, words)
         tokens = tokenise(hide(words))
         return with_token(understood(tokens), hidden(words)) if tokens else None
     except RefusedError as refused:
@@ -226,13 +228,6 @@ def refuse_unreadable(text: str) -> None:
 def printable(text: str) -> str:
     """Return `text` for a log: short, plain ASCII, a token in it hidden."""
     return hide("".join(c if " " <= c <= "~" else "?" for c in text[:LONGEST]))
-
-
-def as_one(text: str) -> str:
-    """Return `text` with two spoken words joined where the table has one."""
-    for pattern, whole in SAID_IN_TWO:
-        text = pattern.sub(whole, text)
-    return text
 
 
 def with_token(order: Order, token: str) -> Order:

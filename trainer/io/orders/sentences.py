@@ -148,16 +148,13 @@ def read(line: str) -> Sentence | None:
         tag, rest = "", content
     commas, least = KINDS[kind]
     fields = tuple(rest.split(",", commas))
-    whole = rest and len(fields) >= least and tells_when(kind, fields)
-    return Sentence(kind, tag, fields) if whole else None
-
-
-def tells_when(kind: str, fields: tuple[str, ...]) -> bool:
-    """Return whether the fields of tick and time, if there are any, are numbers."""
-    if kind not in TIMED:
-        return True
-    tick, seconds = fields[TIMED[kind] : TIMED[kind] + 2]
-    return bool(TICK.fullmatch(tick) and SECONDS.fullmatch(seconds))
+    if not rest or len(fields) < least:
+        return None
+    if kind in TIMED:
+        tick, seconds = fields[TIMED[kind] : TIMED[kind] + 2]
+        if not (TICK.fullmatch(tick) and SECONDS.fullmatch(seconds)):
+            return None
+    return Sentence(kind, tag, fields)
 
 
 def order_sentence(words: str, tag: str = "") -> str:

@@ -45,15 +45,7 @@ def antenna(frame: Frame) -> float:
     depth = frame.boat.file.run.periscope_depth_m
     if depth is not None:
         return depth + RAISED - frame["z"] - frame["eta_wave"]
-    x, z = frame.fittings.sail
-    lifted = x * math.sin(frame["theta"]) - z * math.cos(frame["theta"]) * math.cos(frame["phi"])
-    return lifted - frame["z"] - frame["eta_wave"]
-
-
-def audible(ship: Seen, frame: Frame, height: float) -> bool:
-    """Return whether a ship's transponder is heard by an antenna at a height [m]."""
-    reach = HEARD * (math.sqrt(height) + math.sqrt(ship.mast))
-    return math.hypot(ship.north - frame["x"], ship.east - frame["y"]) <= reach
+    return frame.height(*frame.fittings.sail)
 
 
 def interval(ship: Seen) -> float:
@@ -92,10 +84,12 @@ class Transponders:
         contacts, height = contacts_in(frame.boat), antenna(frame)
         if contacts is None or before is None or now <= before or height <= 0.0:
             return []
+        own, x, y = math.sqrt(height), frame["x"], frame["y"]
         return [
             line
             for ship in contacts.seen(frame.tick)
-            if ship.mmsi is not None and audible(ship, frame, height)
+            if ship.mmsi is not None
+            and math.hypot(ship.north - x, ship.east - y) <= HEARD * (own + math.sqrt(ship.mast))
             for messages in self._due(ship, before, now)
             for line in self._sentences(messages)
         ]

@@ -159,6 +159,7 @@ ROLES: Final[Mapping[str, Role]] = {
     )
 }
 
+WHO_FIRST: Final = "say who you are first: role NAME TOKEN"
 # A line that has to say a token and has not: it sees and orders nothing.
 STRANGER: Final = Role(
     "stranger", "nobody's", "are nobody yet", frozenset({"role", "help", "detach"}), (), frozenset()
@@ -170,7 +171,7 @@ def refusal(role: Role, order: Order) -> str | None:
     if order.name in role.commands:
         return None
     if role is STRANGER:
-        return "say who you are first: role NAME TOKEN"
+        return WHO_FIRST
     control = next((each for each in CONTROLS if order.name in each.orders), None)
     says = control.says if control else f'"{order.text}" is'
     owners = [ROLES[name].title for name in control.roles] if control else []
@@ -193,7 +194,7 @@ def blind(role: Role, channel: str) -> str | None:
     if channel in role.channels:
         return None
     if role is STRANGER:
-        return "say who you are first: role NAME TOKEN"
+        return WHO_FIRST
     shown = ", ".join((*role.channels, "events"))
     return f"{channel} is not shown here: you {role.part}; you may see {shown}"
 

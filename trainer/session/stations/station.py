@@ -120,7 +120,7 @@ class Station:
         self.waiting = False  # there may be more to take
         self.held_up = 0.0  # [s] until more is taken, 0 where nothing waits
         self._door = access
-        self._settled = access.role is not None  # the role is not to be changed
+        self.settled = access.role is not None  # it is known for good what the line is
         self._log = log
         self._clock = clock
         self._refilled = clock()
@@ -148,11 +148,6 @@ class Station:
     def late(self) -> float:
         """Return the time [s] to the answer that is kept back, infinity without one."""
         return max(self._late.due - self._clock(), 0.0) if self._late else math.inf
-
-    @property
-    def settled(self) -> bool:
-        """Return whether it is known for good what the line is."""
-        return self._settled
 
     @property
     def who(self) -> str:
@@ -253,9 +248,11 @@ class Station:
             return []
         duties: dict[str, Callable[[Heard, Order], None]] = {
             "role": self._take_role,
-            "help": self._help,
+            "help": lambda heard, order: self._answer(heard, "", *help_text(order.word)),
             "subscribe": self._subscribe,
-            "unsubscribe": self._unsubscribe,
+            "unsubscribe": lambda heard, order: self._answer(
+                heard, self.wishes.cancel(order.subject)
+            ),
             "detach": self._detach,
             "name": self._be_called,
         }
@@ -289,7 +286,7 @@ class Station:
 
     def _log_refusal(self, text: str) -> None:
         """Log what was refused. The session sums up what all do who have not said who they are."""
-        log = self._noise.log if self._settled else self._quiet_log
+        log = self._noise.log if self.settled else self._quiet_log
         log("refused", f"{self.who}: {text}")
 
     def _answer(self, heard: Heard, reply: Reply, *lines: str) -> None:
@@ -306,9 +303,6 @@ class Station:
         if text:
             self.line.send(text if accepted else f"? {text}")
 
-    def _help(self, heard: Heard, order: Order) -> None:
-        self._answer(heard, "", *help_text(order.word))
-
     def _be_called(self, heard: Heard, order: Order) -> None:
         """Let the line have a name of its own in the list of stations."""
         self.called = order.subject
@@ -323,13 +317,13 @@ class Station:
 
     def _take_role(self, heard: Heard, order: Order) -> None:
         """Let the line be what it says it is, once, if it has the token."""
-        if self._settled:
+        if self.settled:
             self._refuse(heard, order, f"you {self.role.part}: a line keeps its role")
             return
         if not self._door.admits(order.word, order.subject):
             self._refuse_token(heard, order)
             return
-        self.role, self._settled = ROLES[order.word], True
+        self.role, self.settled = ROLES[order.word], True
         self._door.entered()
         self._log("station", f"{self.line.name} now {self.role.of_another}")
         self._answer(heard, f"you {self.role.part}", *powers(self.role))
@@ -379,18 +373,12 @@ class Station:
         self._answer(heard, f"{channel}: {'as they happen' if channel == EVENTS else often}")
         self.wishes.begin(channel, rate, self.role, machine=heard.machine)
 
-    def _unsubscribe(self, heard: Heard, order: Order) -> None:
-        self._answer(heard, self.wishes.cancel(order.subject))
-
 
 def powers(role: Role) -> list[str]:
     """Return what a role may order and see, in words of at most 79 columns."""
     own = "everything" if role is INSTRUCTOR else ", ".join(sorted(role.commands - COMMON))
     told = f"you may order {own or 'nothing'}; you may see {', '.join(role.channels)}, {EVENTS}"
     return textwrap.wrap(told, WIDTH)
-
-
-# Where stations come in by themselves, as a session knows it.
 
 
 class Reception(Protocol):
@@ -404,13 +392,3 @@ class Reception(Protocol):
     def newcomers(self) -> list[Station]:
         """Return those that have come since the last call."""
         ...
-
-
-class Closed:
-    """Nobody comes in by himself."""
-
-    awaited = False
-
-    def newcomers(self) -> list[Station]:
-        """Return nobody."""
-        return []

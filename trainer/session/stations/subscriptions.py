@@ -113,13 +113,24 @@ class Roster:
         )
 
 
-class Publisher:
-    """Send pictures from a thread; the tick that offers one never waits for it."""
+class RosterSender:
+    """The part of a sender that knows its roster."""
 
     def __init__(self, roster: Roster, clock: Callable[[], float] = time.monotonic) -> None:
         self.roster = roster
         self.troubles = roster.troubles
         self._clock = clock
+
+    def strike(self, subscription: Subscription) -> None:
+        """Send to a subscription no more; at most what is being sent at this moment."""
+        self.roster.strike(subscription)
+
+
+class Publisher(RosterSender):
+    """Send pictures from a thread; the tick that offers one never waits for it."""
+
+    def __init__(self, roster: Roster, clock: Callable[[], float] = time.monotonic) -> None:
+        super().__init__(roster, clock)
         self._offered: tuple[int, bytes, Pace] | None = None  # a picture when somebody looks
         # free: a call waits to be heard; an event would take the tick several times as long
         self._called = threading.Lock()
@@ -138,10 +149,6 @@ class Publisher:
         """Send to a subscription from now on, the present picture at once."""
         self.roster.add(subscription)
         self._call()
-
-    def strike(self, subscription: Subscription) -> None:
-        """Send to a subscription no more; at most what is being sent at this moment."""
-        self.roster.strike(subscription)
 
     def close(self, patience: float) -> None:
         """Send what is due and end the thread, waiting at most ``patience`` [s]."""
@@ -169,14 +176,10 @@ class Publisher:
                 self._closing.wait(1.0 / FASTEST)
 
 
-class Promptly:
+class Promptly(RosterSender):
     """Send pictures in the caller's thread, every one: for runs that keep no time."""
 
-    def __init__(self, roster: Roster, clock: Callable[[], float] = time.monotonic) -> None:
-        self.roster = roster
-        self.troubles = roster.troubles
-        self._clock = clock
-        self._picture: Picture | None = None
+    _picture: Picture | None = None
 
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
         """Send this picture to all that may have it now."""
@@ -188,10 +191,6 @@ class Promptly:
         self.roster.add(subscription)
         if self._picture is not None:
             self.roster.serve(self._picture, self._clock())
-
-    def strike(self, subscription: Subscription) -> None:
-        """Send to a subscription no more."""
-        self.roster.strike(subscription)
 
     def close(self, _patience: float) -> None:
         """Do nothing: all has been sent."""

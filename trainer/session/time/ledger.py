@@ -1,21 +1,16 @@
-"""The ledger of the ticks: counters, the last ones in full, two histograms.
+"""The ledger of the ticks: counters, two histograms.
 
 Times are integer nanoseconds. Nothing here grows.
 """
 
 import math
-import struct
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 SECOND: Final = 1_000_000_000  # [ns]
-TICK = np.dtype([(name, np.int64) for name in ("deadline", "start", "work", "lateness")])  # [ns]
-ROW = struct.Struct("=4q")  # of which the same is made
-RECENT = 4096  # [-] ticks kept in full
 HALF_BITS = 6
 HALF = 32  # [-] histogram bins to a factor of two: a percentile is at most 1/32 too high
 EXACT = 2 * HALF  # [ns] what is below it has a bin of its own
@@ -88,25 +83,14 @@ class Ledger:
         self.lateness = self.work = 0  # [ns] of the last tick
         self._worked = 0
         self._work, self._lateness = Histogram(), Histogram()
-        self._recent = np.full(RECENT, 0, TICK)  # written, so that the memory is really there
-        recent: Any = self._recent.view(np.uint8)
-        self._rows = memoryview(recent)
 
     def record(self, deadline: int, start: int, work: int) -> None:
         """Enter one tick [ns]."""
         self.work, self.lateness = work, (lateness := start - deadline)
-        place = self.ticks % RECENT * ROW.size
-        ROW.pack_into(self._rows, place, deadline, start, work, lateness)
         self.ticks += 1
         self._worked += work
         self._work.add(work)
         self._lateness.add(lateness)
-
-    def recent(self) -> NDArray[np.void]:
-        """Return a copy of the last ticks, oldest first, at most ``RECENT`` [ns]."""
-        if self.ticks < RECENT:
-            return self._recent[: self.ticks].copy()
-        return np.roll(self._recent, -(self.ticks % RECENT))
 
     def summary(self) -> Summary:
         """Return the state of the ledger."""
