@@ -13,9 +13,9 @@ from trainer.boat.world.world import world_of
 from trainer.io.atomic_write import replacing
 from trainer.io.recording.recording import Flown, Noted, Recording
 from trainer.session.header import layout_of, plan_of
-from trainer.session.history import settle_world
 from trainer.session.rerun.batch import Batch, Block, Subject, Times, Told, Worked, states
 from trainer.session.rerun.sinks import RrdFile
+from trainer.session.world_orders import settle_world
 
 ROWS: Final = 4096  # [ticks] written at a time
 
