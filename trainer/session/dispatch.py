@@ -336,15 +336,16 @@ class Dispatch:
 
 
 def order_table() -> str:
-    """Return the Markdown table of the order words, as docs/orders.md shows it."""
-    lines = [
-        "| order | obeyed by | journalled | in a replay | after the end | watching | roles |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    for word, rule in sorted(ORDERS.items(), key=lambda item: (item[1].obeyer.value, item[0])):
+    """Return the Markdown table of the order words, as docs/stations.md shows it."""
+    rows: dict[tuple[str, ...], list[str]] = {}
+    for word, rule in ORDERS.items():
         holders = [name for name, role in ROLES.items() if word in role.commands]
-        roles = "all" if len(holders) == len(ROLES) else ", ".join(holders)
         gates = (rule.journalled, rule.in_replay, rule.after_end, rule.watching)
-        marks = " | ".join("yes" if is_open else "-" for is_open in gates)
-        lines.append(f"| `{word}` | {rule.obeyer.value} | {marks} | {roles} |")
-    return "\n".join(lines) + "\n"
+        marks = ["yes" if is_open else "no" for is_open in gates]
+        everybody = len(holders) == len(ROLES)
+        row = rule.obeyer.value, *marks, "all" if everybody else ", ".join(holders)
+        rows.setdefault(row, []).append(f"`{word}`")
+    heads = "orders", "obeyed by", "journalled", "in a replay", "after the end", "watching", "roles"
+    lines = [heads, ("---",) * len(heads)]
+    lines += [(", ".join(sorted(words)), *row) for row, words in sorted(rows.items())]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
