@@ -13,7 +13,8 @@ from trainer.session.agenda import Agenda
 from trainer.session.attendance import Introduction
 from trainer.session.crew import CrewTalk
 from trainer.session.history import History
-from trainer.session.session import Monitors, Rows, Session
+from trainer.session.parts import Monitors
+from trainer.session.session import Rows, Session
 from trainer.session.stations.subscriptions import Sending
 from trainer.session.time.timekeeping import Timekeeping
 
@@ -35,10 +36,10 @@ def session_over(
     """Return a session of a boat; ``by_hand`` is what CrewTalk is told of the exercise."""
     return Session(
         *(boat, time, history, sending),
-        Rows(*rows),
         Agenda(boat, schedule, armed),
         CrewTalk(boat, **(by_hand or {})),
         Monitors.over(boat, monitor or LimitMonitor()),
-        introduction,
         wake or threading.Event(),
+        introduction,
+        Rows(*rows),
     )

@@ -71,13 +71,10 @@ def test_each_gate_is_shut_to_what_it_is_there_for_and_to_nothing_else(
         ),
         "end_gate": ("rudder left 5", at[helm], lambda: ship.order("end exercise")),
         "hand_gate": ("depth 80", at[helm], lambda: None),
-        "replay_gate": (
-            "rudder left 5",
-            at[helm],
-            lambda: (ship.fly(8), ship.order("replay 2 s")),
-        ),
+        "replay_gate": ("rudder left 5", at[helm], lambda: ship.order("replay 2 s")),
     }
     words, station, prepare = prepared[gate.__name__]
+    ship.fly(8)
     prepare()
     assert shut(ship, words, station) == [gate]
     assert shut(ship, "status", station) == []

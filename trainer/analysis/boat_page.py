@@ -38,9 +38,9 @@ from trainer.io.orders.quantities import NUMBERS, Number
 from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAMES, SETS, SIGNS
 from trainer.io.recording.recording import Branch, Journalled, Recording
 from trainer.session.header import differences, layout_of, plan_of, reading
+from trainer.session.history import order_of
 from trainer.session.layout import read_state
 from trainer.session.plan import Plan
-from trainer.session.runs import order_of
 from trainer.session.stations.briefing import ranges
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import ROLES

@@ -36,9 +36,10 @@ from trainer.session.header import header_of, refusing_damage
 from trainer.session.history import History
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
+from trainer.session.parts import Monitors
 from trainer.session.plan import Plan, plan_run, refuse_depth
 from trainer.session.run import create_recording, crew_talk, open_publisher, ready
-from trainer.session.session import Monitors, Rows, Session
+from trainer.session.session import Rows, Session
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
@@ -135,10 +136,10 @@ class Boat:
             time,
             History(boat, self._keeper),
             open_publisher(boat, time, chosen),
-            Rows(self._rows, COLUMNS),
             Agenda(boat, plan.schedule),
             crew_talk(plan, boat),
             Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),
+            rows=Rows(self._rows, COLUMNS),
         )
         session.conduct.scored = bool(plan.scores)
         session.event_log.hearers.append(self._events.append)

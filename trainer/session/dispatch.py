@@ -26,7 +26,7 @@ An order of a recording that is replayed goes in at 5: it was journalled when it
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from trainer.boat.helm import obey
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -36,11 +36,9 @@ from trainer.session.agenda import HEAD as PLANNED
 from trainer.session.crew import SCHEDULE, Telling, role_of
 from trainer.session.event_log import CREW
 from trainer.session.manning import unheard
+from trainer.session.parts import Parts
 from trainer.session.stations.roles import INSTRUCTOR, ROLES
 from trainer.session.stations.station import Asked, Duty, Fact, Lines, Station
-
-if TYPE_CHECKING:
-    from trainer.session.session import Session
 
 
 class Obeyer(Enum):
@@ -116,53 +114,53 @@ ORDERS: Final[Mapping[str, Rule]] = {word: rule for rule, words in GROUPS for wo
 # The gates: each says why it is shut, "" where it is open.
 
 
-def command_gate(order: Order, station: Station | None, session: "Session") -> str:
+def command_gate(order: Order, station: Station | None, session: Parts) -> str:
     """Return who else has command: an instructor without it watches, asks and marks."""
     if station is None or station.role is not INSTRUCTOR or ORDERS[order.name].watching:
         return ""
     return session.conduct.command.elsewhere(station)
 
 
-def quit_gate(order: Order, station: Station | None, session: "Session") -> str:
+def quit_gate(order: Order, station: Station | None, session: Parts) -> str:
     """Return that others are there: a session is ended for them by saying so twice."""
     return session.conduct.unconfirmed(station) if station and order.name == "quit" else ""
 
 
-def visitor_gate(order: Order, station: Station | None, session: "Session") -> str:
+def visitor_gate(order: Order, station: Station | None, session: Parts) -> str:
     """Return why a visitor may not begin this run again."""
     return session.conduct.not_for(station.role) if station and order.name == "restart" else ""
 
 
-def lost_gate(order: Order, _station: Station | None, session: "Session") -> str:
+def lost_gate(order: Order, _station: Station | None, session: Parts) -> str:
     """Return where the boat's numbers were lost: it goes on from an earlier moment only."""
     failure = session.control.failure if order.name in ("run", "step") else ""
     return f"this boat cannot go on: {failure}; backtrack or reset" if failure else ""
 
 
-def end_gate(order: Order, station: Station | None, session: "Session") -> str:
+def end_gate(order: Order, station: Station | None, session: Parts) -> str:
     """Return that the exercise is over: time stands still, and the boat obeys nobody."""
     role = station.role if station else INSTRUCTOR
     return session.conduct.past_its_end(order, role, after_end=ORDERS[order.name].after_end)
 
 
-def hand_gate(order: Order, _station: Station | None, session: "Session") -> str:
+def hand_gate(order: Order, _station: Station | None, session: Parts) -> str:
     """Return what the exercise has worked by hand, and an order would give to the autopilot."""
     return session.crew.in_hand(order)
 
 
-def replay_gate(order: Order, _station: Station | None, session: "Session") -> str:
+def replay_gate(order: Order, _station: Station | None, session: Parts) -> str:
     """Return that a replay is running: what moves the boat there was ordered then."""
     return "" if ORDERS[order.name].in_replay else session.history.flown.barred
 
 
-Gate = Callable[[Order, Station | None, "Session"], str]
+Gate = Callable[[Order, Station | None, Parts], str]
 GATES: Final[Sequence[Gate]] = (
     *(command_gate, quit_gate, visitor_gate),
     *(lost_gate, end_gate, hand_gate, replay_gate),
 )
 
 
-def refusal(order: Order, station: Station | None, session: "Session") -> Refused | None:
+def refusal(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return why the first gate that is shut to an order is so, None where all are open.
 
     ``station`` is None for what comes from no line: a plan, or a call of the Python face.
@@ -177,7 +175,7 @@ def refusal(order: Order, station: Station | None, session: "Session") -> Refuse
 class Dispatch:
     """The orders of one session, on their road."""
 
-    session: "Session"
+    session: Parts
     duties: Mapping[str, Duty]  # who answers what is not passed on
     refused: list[str] = field(default_factory=list)  # of the schedule, as it was told
 
@@ -258,6 +256,10 @@ class Dispatch:
         if due := self.session.crew.due_by_hand():
             answer = self.carry_out(due.order, due.who)
             self.session.event_log.tell("order", f"{due.why}: {answer}")
+
+    def end_replay(self, outcome: str) -> None:
+        """Let time stand still where a replay has arrived."""
+        self.session.end_replay(outcome)
 
     # What is due
 

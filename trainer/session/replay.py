@@ -33,12 +33,11 @@ from trainer.session.header import (
     reading,
     refusing_damage,
 )
-from trainer.session.history import History
+from trainer.session.history import History, order_of
 from trainer.session.layout import Unlike, read_state, unlike
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
 from trainer.session.run import PreparedRun, fly
-from trainer.session.runs import order_of
 from trainer.session.warm_up import set_garbage_aside, warm
 from trainer.session.world_orders import WorldOrders, settle_world, worlds_begun
 

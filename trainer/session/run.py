@@ -37,11 +37,12 @@ from trainer.session.history import History
 from trainer.session.manning import in_hand
 from trainer.session.options import RunOptions
 from trainer.session.page_server import PageServer, serving_pages
+from trainer.session.parts import Monitors
 from trainer.session.plan import OVERRULED, Plan, plan_run
 from trainer.session.ports import PATIENCE, Ports, keeps_no_time
 from trainer.session.rerun.batch import Subject
 from trainer.session.rerun.request import open_log
-from trainer.session.session import Monitors, Rows, Session
+from trainer.session.session import Rows, Session
 from trainer.session.stations.briefing import Briefing
 from trainer.session.stations.past import recalled
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER
@@ -241,12 +242,12 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
         )
         session = Session(
             *(boat, time, history, sending),
-            Rows(recorder, COLUMNS if options.csv_path else ()),
             Agenda(boat, plan.schedule, plan.armed),
             crew_talk(plan, boat),
             Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),
-            introduction,
             wake,
+            introduction,
+            Rows(recorder, COLUMNS if options.csv_path else ()),
             last_tick,
         )
         session.attendance.until_left = options.until_left

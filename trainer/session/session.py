@@ -1,34 +1,20 @@
 """The session: boat, clock, recording and stations, joined in the thread that ticks."""
 
 import math
-import threading
 from collections.abc import Callable, Mapping
 from dataclasses import InitVar, dataclass, field
 from typing import Final
 
-from trainer.boat.boat import TICK, Boat
-from trainer.boat.depths import DepthMonitor
-from trainer.boat.limits import LimitMonitor
-from trainer.boat.pilot import PilotMonitor
+from trainer.boat.boat import TICK
 from trainer.io.orders.grammar import Order, Reply
-from trainer.io.recording.recording import Moment
 from trainer.io.tables import Columns, NoFile
-from trainer.session.agenda import Agenda
 from trainer.session.attendance import Attendance, Introduction
-from trainer.session.conduct import Conduct
-from trainer.session.control import Control
-from trainer.session.crew import CrewTalk
 from trainer.session.dispatch import Dispatch
-from trainer.session.event_log import EventLog
-from trainer.session.history import History
+from trainer.session.parts import Parts
 from trainer.session.questions import Questions
-from trainer.session.shown import Shown
-from trainer.session.standing import Standing
 from trainer.session.stations.station import Asked, Duty, Fact
-from trainer.session.stations.subscriptions import Sending
 from trainer.session.time.ledger import SECOND
 from trainer.session.time.pacer import WOKEN, Event
-from trainer.session.time.timekeeping import Timekeeping
 
 STEPPING_PERIOD_NS: Final = SECOND // 5  # of single steps before the stations are heard again
 
@@ -42,48 +28,16 @@ class Rows:
 
 
 @dataclass
-class Monitors:
-    """Those who call out what a tick means."""
-
-    limits: LimitMonitor
-    depths: DepthMonitor
-    pilot: PilotMonitor
-
-    @classmethod
-    def over(cls, boat: Boat, limits: LimitMonitor) -> "Monitors":
-        """Return the monitors of a boat."""
-        return cls(limits, DepthMonitor.over(boat), PilotMonitor.over(boat))
-
-    @property
-    def times(self) -> dict[str, list[float]]:
-        """Return the times [s] of each call."""
-        return self.limits.times | self.depths.times | self.pilot.times
-
-
-@dataclass
-class Session:
+class Session(Parts):
     """One run from its first tick to its end."""
 
-    boat: Boat
-    time: Timekeeping
-    history: History
-    sending: Sending
-    rows: Rows
-    agenda: Agenda
-    crew: CrewTalk
-    monitors: Monitors
     introduction: InitVar[Introduction] = Introduction()  # noqa: RUF009  frozen
-    wake: threading.Event = field(default_factory=threading.Event)
+    rows: Rows = field(default_factory=Rows)
     last_tick: float = math.inf
     progress: Callable[[int], None] | None = None
 
     def __post_init__(self, introduction: Introduction) -> None:
-        self.event_log = EventLog(self.history)
-        self.control = Control(self.boat, self.time, self.history, self.agenda.schedule)
-        self.shown = Shown(self.history, self.time, self.crew, self.sending)
-        self.conduct = Conduct(
-            self.control, self.event_log, self.shown.show, self.wake.set, hand=self.crew.hand
-        )
+        super().__post_init__()
         self.attendance = Attendance(
             *(self.event_log, self.history, self.conduct, self.crew, self.agenda),
             *(introduction, self.wake, self._hear),
@@ -91,7 +45,6 @@ class Session:
         questions = Questions(self.history, self.event_log, self.agenda, self.shown)
         briefing: Mapping[str, Duty] = {"briefing": self.attendance.brief}
         self.dispatch = Dispatch(self, {**briefing, **questions.duties, **self.conduct.duties})
-        self.standing = Standing(self.crew, self.agenda, self.history)
         self.standing.go_back()  # a recorded run goes on
 
     def run(self, *, frozen: bool = False) -> None:
@@ -123,32 +76,6 @@ class Session:
     def give(self, order: Order, who: str) -> Reply:
         """Carry out an order that comes from no station; return what now holds, or why not."""
         return self.dispatch.give(order, who)
-
-    def return_to(self, moment: Moment, why: str) -> None:
-        """Go back to a moment of this run: a new branch begins there, frozen."""
-        self.control.go_to(moment, why)
-        self.arrive()
-        self.shown.show()
-
-    def arrive(self) -> None:
-        """Take the moment as it is after a jump in time: nothing of it is news."""
-        counting = self.monitors.limits, self.monitors.depths, self.monitors.pilot
-        for monitor in counting:
-            monitor.settle(self.boat)
-        self.conduct.settle()
-        self.standing.go_back()
-        self.event_log.settle(counting)
-        self.history.flown.judge_hull(self.conduct)
-
-    def end_replay(self, outcome: str) -> None:
-        """Let time stand still where a replay has arrived; what follows goes on from there."""
-        self.event_log.tell("moment", outcome)
-        self.standing.arrive()
-        self.conduct.judge_hull()
-        self.conduct.look()
-        self.time.pacer.freeze()
-        self.control.steps = 0
-        self.shown.show()
 
     def tick(self) -> None:
         """Carry out the orders that are due, and unless they stop time take a tick."""

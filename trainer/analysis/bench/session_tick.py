@@ -29,7 +29,8 @@ from trainer.io.tables import COLUMNS, CsvFile
 from trainer.session.agenda import Agenda
 from trainer.session.crew import CrewTalk
 from trainer.session.history import History
-from trainer.session.session import Monitors, Rows, Session
+from trainer.session.parts import Monitors
+from trainer.session.session import Session
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Publisher, Roster
@@ -64,7 +65,7 @@ def session_of(
     publisher = Publisher(Roster(StateReader(boat, keeping.ledger.summary)))
     session = Session(
         *(boat, keeping, History(boat, recording), publisher),
-        *(Rows(), Agenda(boat), CrewTalk(boat), Monitors.over(boat, LimitMonitor())),
+        *(Agenda(boat), CrewTalk(boat), Monitors.over(boat, LimitMonitor())),
     )
     with Path(os.devnull).open("wb", buffering=0) as sink, contextlib.closing(recording):
         for channel in channels:
