@@ -25,9 +25,8 @@ from trainer.session.run import briefing_of, situation
 from trainer.session.stations.briefing import (
     EXERCISE,
     RANGES,
-    exercise_table,
     hint,
-    range_table,
+    key_table,
     ranges,
 )
 from trainer.session.stations.roles import CREW, INSTRUCTOR, ROLES, STRANGER, Access
@@ -254,7 +253,7 @@ def test_an_observer_is_told_the_ranges_when_it_says_what_it_is() -> None:
 def test_the_page_has_the_tables_of_ranges_and_of_the_exercise() -> None:
     page = (ROOT / "docs" / "stations.md").read_text(encoding="utf-8")
 
-    for table in (range_table(), exercise_table()):
+    for table in (key_table("range", RANGES), key_table("exercise", EXERCISE)):
         assert table in page, f"docs/stations.md lacks this, from briefing.py:\n{table}"
 
 

@@ -142,8 +142,9 @@ def test_a_longitude_has_three_digits_of_degrees_and_nought_has_no_sign() -> Non
 
 def test_every_sentence_fits_with_the_widest_values_and_has_the_fields_it_is_said_to_have() -> None:
     for instrument in INSTRUMENTS:
-        assert len(instrument.sentence(WIDEST)) <= 80
-        assert len(instrument.fields) == len(instrument.read(WIDEST))
+        sent = instrument.sentence(WIDEST)
+        assert len(sent) <= 80
+        assert len(instrument.fields) == sent.count(",")
 
 
 def test_no_set_of_a_wild_run_is_longer_than_the_widest() -> None:

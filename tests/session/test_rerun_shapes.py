@@ -17,9 +17,20 @@ from trainer.core.kernel import Numbers
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
 from trainer.session.rerun import feed as feeds
-from trainer.session.rerun.batch import Batch, Block, Changes, Subject, Times, Track, states
+from trainer.session.rerun.batch import (
+    Batch,
+    Block,
+    Changes,
+    Gathering,
+    Heard,
+    Subject,
+    Taken,
+    Times,
+    Track,
+    states,
+)
 from trainer.session.rerun.charts import casualty_lanes, charts_of, lanes_of, ledger_columns
-from trainer.session.rerun.feed import CHUNK, ROOM, Feed, Gathering, Heard, Log, Taken
+from trainer.session.rerun.feed import CHUNK, ROOM, Feed, Log
 from trainer.session.rerun.request import PORT, open_log, parse_place
 from trainer.session.rerun.shape import Fin, fins_of, hull_mesh, sail_mesh, size_of
 from trainer.session.stations.station import News

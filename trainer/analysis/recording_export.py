@@ -136,7 +136,7 @@ def parquet_files(
 def rrd_file(recording: recording_file.Recording, path: Path, branch: int | None) -> list[Path]:
     """Write a branch as a file for Rerun; return the file written."""
     require_library("rerun", "--rrd")
-    from trainer.session.rerun.conversion import write_record  # noqa: PLC0415  a second to import
+    from trainer.session.rerun.request import write_record  # noqa: PLC0415  a second to import
 
     try:
         write_record(recording, path, recording.branch if branch is None else branch)

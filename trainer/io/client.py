@@ -32,7 +32,9 @@ def dial(url: str, arrived: threading.Event, baud: int = 9600) -> Line:
     """
     end = connect(url)
     if end is not None:
-        return wrap_socket(url, end, arrived)
+        wire = Wire(end)
+        inbox = Inbox(wire.read, arrived, longest=LONGEST_ANSWER)
+        return Joined(url, inbox, Outbox(wire.write), wire)
     return over_serial(url, SerialLine(url, baud), arrived, LONGEST_ANSWER)
 
 
@@ -71,13 +73,6 @@ def connect(url: str) -> socket.socket | None:
 def over_serial(name: str, port: SerialLine, arrived: threading.Event, longest: int) -> Line:
     """Return an open serial line as a line. Those that come have `longest` characters at most."""
     return Joined(name, Inbox(port.read, arrived, longest=longest), Outbox(port.write), port)
-
-
-def wrap_socket(name: str, end: socket.socket, arrived: threading.Event) -> Line:
-    """Return a connected socket as a line."""
-    wire = Wire(end)
-    inbox = Inbox(wire.read, arrived, longest=LONGEST_ANSWER)
-    return Joined(name, inbox, Outbox(wire.write), wire)
 
 
 def reach_tcp(url: str, host: str, port: int) -> socket.socket:

@@ -17,17 +17,25 @@ from trainer.io.lines import LineDecoder, Overlong, line_bytes
 from trainer.io.orders.grammar import LONGEST
 
 CHUNK = 4096  # [bytes]
+SHORTEST = 0.2  # [s]  for an inbox to notice that its port was closed, whatever the outbox took
 
 
 class Sender(Protocol):
     """Somewhere that lines go."""
 
-    dropped: int  # lines that did not get out
-    trouble: str  # why the port is dead, "" while it lives
+    @property
+    def dropped(self) -> int:
+        """Return how many lines were sent and did not get out."""
+        ...
+
+    @property
+    def trouble(self) -> str:
+        """Return why the port is dead. It is "" while it lives or after a proper end."""
+        ...
 
     @property
     def room(self) -> bool:
-        """Return whether little waits to go out."""
+        """Return whether little waits to go out; who has much to send waits for it."""
         ...
 
     def send(self, line: str) -> None:
@@ -35,7 +43,7 @@ class Sender(Protocol):
         ...
 
     def close(self, patience: float) -> None:
-        """Finish what has been taken, waiting no longer than `patience` [s]."""
+        """Get out what was sent, for at most `patience` [s], and end."""
         ...
 
 
@@ -88,14 +96,11 @@ class Outbox:
             try:
                 self._write(b"".join(batch))
             except (OSError, ValueError) as error:
-                self._die(error, len(batch))
+                with self._change:
+                    self.trouble = str(error) or type(error).__name__
+                    self.dropped += len(batch) + len(self._lines)
+                    self._lines.clear()
                 return
-
-    def _die(self, error: Exception, lost: int) -> None:
-        with self._change:
-            self.trouble = str(error) or type(error).__name__
-            self.dropped += lost + len(self._lines)
-            self._lines.clear()
 
 
 class Direct:
@@ -212,10 +217,7 @@ def writer(descriptor: int) -> Callable[[bytes], None]:
     return write
 
 
-SHORTEST = 0.2  # [s]  for an inbox to notice that its port was closed, whatever the outbox took
-
-
-class Line(Protocol):
+class Line(Sender, Protocol):
     """One attached end: a terminal, a serial panel, a client at a socket."""
 
     @property
@@ -228,31 +230,8 @@ class Line(Protocol):
         """Return whether all that came has been taken, and nothing more can come."""
         ...
 
-    @property
-    def trouble(self) -> str:
-        """Return why the line is dead. It is "" while it lives or after a proper end."""
-        ...
-
-    @property
-    def dropped(self) -> int:
-        """Return how many lines were sent and did not get out."""
-        ...
-
-    @property
-    def room(self) -> bool:
-        """Return whether little waits to go out; who has much to send waits for it."""
-        ...
-
     def take(self, most: int) -> list[str | Overlong]:
         """Return the oldest lines that have come, at most so many."""
-        ...
-
-    def send(self, line: str) -> None:
-        """Take one line, without its end."""
-        ...
-
-    def close(self, patience: float) -> None:
-        """Get out what was sent, for at most `patience` [s], and end the line."""
         ...
 
 

@@ -74,13 +74,6 @@ class Tally:
         self.held += 1
         return False
 
-    def take_held(self, now: float) -> int:
-        """Return how many were held back. The next sum comes later, unless there is rest."""
-        count, self.held = self.held, 0
-        self.due, self.told = math.inf, now
-        self.pause = min(2.0 * self.pause, MAX_SUM_PAUSE_S)
-        return count
-
 
 class CrowdLog:
     """Pass on a crowd's first entries, and the number of all others ever more seldom.
@@ -120,4 +113,7 @@ class CrowdLog:
         """Tell the sums that are due until a time [s]."""
         for kind, tally in self._tallies.items():
             if tally.held and tally.due <= until:
-                self._log(kind, sum_up(tally.take_held(self._clock())))
+                count, tally.held = tally.held, 0
+                tally.due, tally.told = math.inf, self._clock()
+                tally.pause = min(2.0 * tally.pause, MAX_SUM_PAUSE_S)  # unless there is rest
+                self._log(kind, sum_up(count))

@@ -4,6 +4,7 @@
 The reading thread also mends the line; while it is down, output is dropped and counted.
 """
 
+import contextlib
 import difflib
 import errno
 import re
@@ -73,8 +74,11 @@ class SerialLine:
     def write(self, data: bytes) -> None:
         """Write all of `data`. A line that is down or stalled counts it as unsent."""
         with self._writing:
-            if self._port is None or not send_bytes(self._port, data):
-                self.unsent += data.count(LINE_FEED)
+            with contextlib.suppress(OSError):  # stalled, or gone: the reader finds out which
+                if self._port is not None:
+                    self._port.write(data)
+                    return
+            self.unsent += data.count(LINE_FEED)
 
     def close(self) -> None:
         """Close the line: at once for the writer, at its next read for the reader."""
@@ -95,15 +99,6 @@ class SerialLine:
             self._pause = FIRST_PAUSE
         except LinkError:
             self._pause = min(2.0 * self._pause, LONGEST_PAUSE)
-
-
-def send_bytes(port: "serial.Serial", data: bytes) -> bool:
-    """Return whether the port took `data`."""
-    try:
-        port.write(data)
-    except OSError:  # stalled, or gone: the reader finds out which
-        return False
-    return True
 
 
 def open_port(url: str, baud: int) -> "serial.Serial":

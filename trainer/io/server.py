@@ -20,7 +20,6 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 from trainer.io import paths
 from trainer.io.connection import CHUNK, MOST_BYTES, READ, Connection
@@ -198,22 +197,6 @@ NO_ROOM = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
 KEEPALIVE = (("TCP_KEEPIDLE", 30), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 3))
 
 
-class Watched(Protocol):
-    """An object that the selector waits for."""
-
-    def fileno(self) -> int:
-        """Return its descriptor."""
-        ...
-
-
-class Listener(Protocol):
-    """A socket that listens, and what closes it."""
-
-    def close(self) -> None:
-        """Stop listening."""
-        ...
-
-
 class Server:
     """The sockets of a session: those that listen and those connected."""
 
@@ -229,7 +212,7 @@ class Server:
         for end in (self._bell, self._ear):
             end.settimeout(0.0)
         self._rung = False
-        self._doors: deque[tuple[socket.socket, Listener]] = deque()
+        self._doors: deque[tuple[socket.socket, socket.socket | LocalSocket]] = deque()
         self._connections: list[Connection] = []
         self._newcomers: deque[Connection] = deque()
         self._count = 0  # of local connections ever, for their names
@@ -259,7 +242,7 @@ class Server:
         self._stir()
         self._thread.join(patience + GRACE)
 
-    def _open(self, access: socket.socket, listener: Listener) -> None:
+    def _open(self, access: socket.socket, listener: socket.socket | LocalSocket) -> None:
         access.settimeout(0.0)
         self._doors.append((access, listener))
         self._stir()
@@ -308,7 +291,9 @@ class Server:
             else:
                 self._watch(connection, connection.wants(now), connection.serve)
 
-    def _watch(self, end: Watched, events: int, call: Callable[[int], None]) -> None:
+    def _watch(
+        self, end: socket.socket | Connection, events: int, call: Callable[[int], None]
+    ) -> None:
         """Have `call` called at these events, or not at all when there are none."""
         key = self._selector.get_map().get(end)
         if key is None and events:

@@ -38,7 +38,8 @@ def account(session: Session, wall: float, options: SummaryOptions) -> int:
     lines += details(session, wall, kept) if options.verbose else []
     click.echo("\n".join(lines), err=options.aside)
     failure = session.control.failure and f"frozen: {session.control.failure}"
-    failure = failure or lost_exercise(session)
+    ending = session.conduct.ending
+    failure = failure or (f"{ending.over}: {ending.why}" if ending.how == "lost" else "")
     recording = describe_missing(session.history.recording) if kept else ""
     troubles = [failure, session.conduct.deserted, session.rows.recorder.trouble, recording]
     safe = "; the recording has all that happened" if kept and not recording else ""
@@ -77,12 +78,6 @@ def details(session: Session, wall: float, kept: str) -> list[str]:
         again = f"; it was out of reach {absences} times, and is whole" if whole else ""
         lines.append(f"recorded    {kept}{again}")
     return lines
-
-
-def lost_exercise(session: Session) -> str:
-    """Return when and by what the exercise was lost, "" if it was not."""
-    ending = session.conduct.ending
-    return f"{ending.over}: {ending.why}" if ending.how == "lost" else ""
 
 
 def outcome_lines(session: Session) -> list[str]:

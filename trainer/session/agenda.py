@@ -94,7 +94,11 @@ class Agenda:
     def obey(self, order: Order) -> Reply:
         """Plan an order, or take one away; return what now holds."""
         if order.name == "cancel":
-            return self._cancel(order)
+            there = ", ".join(map(str, self.planned)) or "none"
+            gone = self._drop(order)
+            if not gone:
+                return Refused(f"no such plan of an instructor's; there is {there}")
+            return f"cancelled: {', '.join(str(each.ahead) for each in gone)}"
         made = self._made(order, self.boat.time)
         if isinstance(made, Refused):
             return made
@@ -190,13 +194,6 @@ class Agenda:
     def _take(self, made: Planned) -> None:
         self.planned[made.number] = made
         self._last = made.number
-
-    def _cancel(self, order: Order) -> Reply:
-        there = ", ".join(map(str, self.planned)) or "none"
-        gone = self._drop(order)
-        if not gone:
-            return Refused(f"no such plan of an instructor's; there is {there}")
-        return f"cancelled: {', '.join(str(each.ahead) for each in gone)}"
 
     def _drop(self, order: Order) -> list[Planned]:
         wanted = list(self.planned) if order.word == "all" else [int(order.value)]

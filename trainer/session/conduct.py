@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 from trainer.boat.depths import collapse_of, hull_depth
 from trainer.boat.grounding import Call, GroundMonitor
@@ -31,6 +31,7 @@ from trainer.session.stations.past import PastReader
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, not_for_visitors
 from trainer.session.stations.station import Asked, Duty, Fact, Lines, Station
 
+Made = TypeVar("Made")
 QUIT_AGAIN_WITHIN_S: Final = 10.0  # for `quit` to be said again
 NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer", "visitor")  # nobody asks: ready?
 
@@ -258,15 +259,24 @@ class Conduct:
         recording.flush()
         branch, ending = recording.branch, self.ending.over
 
+        def judged(marks: Judgement) -> None:
+            if self.ending.over == ending:
+                self._judged(marks)
+
+        self._begin("marks", lambda: judge(kept, branch), judged)
+
+    def _begin(self, what: str, make: Callable[[], Made], take: Callable[[Made], None]) -> None:
+        """Make something beside the session, and take it, or tell why there is none."""
+
         def task() -> Callable[[], None]:
             try:
-                found = judge(kept, branch)
+                made = make()
             except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
-                why = f"no marks: {error}"
+                why = f"no {what}: {error}"
                 return lambda: self.log.tell("exercise", why)
-            return lambda: self._judged(found) if self.ending.over == ending else None
+            return lambda: take(made)
 
-        self.work.begin("judging", task)
+        self.work.begin(what, task)
 
     def _judged(self, found: Judgement) -> None:
         """Tell the instructor the marks."""
@@ -289,14 +299,12 @@ class Conduct:
             return Refused("the exercise is not over: type end exercise first")
         if ending.marks is None:
             return Refused(self._unmarked or "there are no marks yet")
-        self._tell_all(ending.marks)
-        return "everybody has the marks"
-
-    def _tell_all(self, marks: Judgement) -> None:
-        self.ending.released = True
-        self.log.tell("marks", f"marks: {marks}", fact=Fact("marks", marks.fields))
-        for reason in marks.reasons:
+        ending.released = True
+        fact = Fact("marks", ending.marks.fields)
+        self.log.tell("marks", f"marks: {ending.marks}", fact=fact)
+        for reason in ending.marks.reasons:
             self.log.tell("marks", f"  {reason}")
+        return "everybody has the marks"
 
     def _debrief(self, _asked: Asked) -> Reply:
         if self.debriefing is None or self.kept is None:
@@ -307,20 +315,12 @@ class Conduct:
         recording.flush()
         branch = recording.branch
 
-        def task() -> Callable[[], None]:
-            try:
-                path = write(kept, branch)
-            except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
-                why = f"no debrief: {error}"
-                return lambda: self.log.tell("exercise", why)
-            return lambda: self._debriefed(path.absolute())
+        def written(path: Path) -> None:
+            self.ending.debrief = there = str(path.absolute())
+            self.log.tell("exercise", f"debrief written: {there}", fact=Fact("debrief", there))
 
-        self.work.begin("debrief", task)
+        self._begin("debrief", lambda: write(kept, branch), written)
         return f"the debrief of branch {branch} is being written"
-
-    def _debriefed(self, path: Path) -> None:
-        self.ending.debrief = str(path)
-        self.log.tell("exercise", f"debrief written: {path}", fact=Fact("debrief", str(path)))
 
     # What follows
 

@@ -3,6 +3,7 @@
 They are recorded, told to whom they concern, and kept for latecomers.
 """
 
+import contextlib
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
@@ -110,12 +111,10 @@ class EventLog:
     def _parent(self) -> int:
         """Return the branch that the present one began from, 0 where that cannot be read."""
         present = self._branch if self._branch not in self._counts else 0  # a replay begins none
-        try:
-            return {each.id: each.parent or 0 for each in self.history.recording.branches()}[
-                present
-            ]
-        except (RecordingError, KeyError):
-            return 0
+        with contextlib.suppress(RecordingError):
+            parents = {each.id: each.parent or 0 for each in self.history.recording.branches()}
+            return parents.get(present, 0)
+        return 0
 
     def recall(self, waiting: Callable[[str], Iterable[tuple[int, Fact]]]) -> None:
         """Tell programs, after a jump in time, what waits for each role, with its tick."""

@@ -401,10 +401,6 @@ class History:
             return found
         return self.automatic.before(wanted) or Refused("no moment so long ago is kept")
 
-    def automatic_since(self, tick: int) -> list[tuple[int, bytes]]:
-        """Return tick and state of the automatic moments since a tick."""
-        return self.automatic.since(tick)
-
     def start(self) -> Moment | Refused:
         """Return the initial conditions, whatever was ordered in a freeze there."""
         return self.recording.moment(FIRST, 0) or self.before(self.boat.time)

@@ -11,11 +11,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import IO, Final, cast
 
-from trainer.config.files import ConfigError
 from trainer.io import paths
 from trainer.io.serial_line import LinkError
 from trainer.io.server import listen_at, parse_address
 from trainer.session.options import RunOptions
+from trainer.session.ports import refusing
 from trainer.session.stations.roles import read_tokens, refuse_open_door
 
 FIRST: Final = 0.25  # [s] until a dead server is begun again, twice as long each time after
@@ -181,11 +181,9 @@ class PageServer:
         code = self._process.end(0.0 if hangs else CLOSE_TIMEOUT_S)
         if hangs:
             return f"the pages' server hangs: silent for {SILENCE_TIMEOUT_S} s; it begins again"
-        return (
-            None
-            if code == WRONG_INPUT
-            else f"the pages' server has ended with {code}, and begins again"
-        )
+        if code == WRONG_INPUT:
+            return None
+        return f"the pages' server has ended with {code}, and begins again"
 
 
 @contextlib.contextmanager
@@ -195,7 +193,8 @@ def serving_pages(options: RunOptions) -> Iterator[PageServer | None]:
         yield None
         return
     option = "--web-at" if options.browse else "--web"
-    host, port = address_of(option, options.web) if options.web else (paths.HOST, paths.PAGES)
+    with refusing(option):
+        host, port = parse_address(options.web or EXAMPLE, EXAMPLE)
     refuse_open_door(option, host, read_tokens(options.token))
     listener = listen(option, host, port, insists=options.web is not None)
     server = PageServer(host, listener, listener.getsockname()[1], options)
@@ -205,22 +204,13 @@ def serving_pages(options: RunOptions) -> Iterator[PageServer | None]:
         server.close()
 
 
-def address_of(option: str, text: str) -> tuple[str, int]:
-    """Return host and port of ``HOST:PORT``; ConfigError."""
-    try:
-        return parse_address(text, EXAMPLE)
-    except LinkError as error:
-        raise ConfigError(f"{option} {error}") from None
-
-
 def listen(option: str, host: str, port: int, *, insists: bool) -> socket.socket:
     """Return a socket that listens for browsers; ConfigError.
 
     Unless it insists on a port that is taken, it is any that is free.
     """
-    try:
-        return listen_at(host, port)
-    except LinkError as error:
-        if insists:
-            raise ConfigError(f"{option} {error}") from None
-    return listen(option, host, 0, insists=True)
+    if not insists:
+        with contextlib.suppress(LinkError):
+            return listen_at(host, port)
+    with refusing(option):
+        return listen_at(host, port if insists else 0)

@@ -117,18 +117,14 @@ class Plan:
         boat.put_to_sea(self.sea)
         boat.world = world_of(boat, self.around)
         refuse_touching(boat)
-        self._put_out_of_trim(boat)
-        boat.casualties = self.casualties
-        for entry in self.armed:
-            casualties_module.arm(boat, entry.condition, entry.casualty, entry.rule)
-        boat.meet_world()
-
-    def _put_out_of_trim(self, boat: Boat) -> None:
-        """Let the boat begin as heavy and as much by the bow as the exercise has it."""
         heavy, forward = self.initial.heavy_t or 0.0, self.initial.forward_t or 0.0
         why = put_out_of_trim(boat, 1000.0 * heavy, 1000.0 * forward) if heavy or forward else ""
         if why:
             raise ConfigError(f"[initial] heavy_t = {heavy:g}, forward_t = {forward:g}: {why}")
+        boat.casualties = self.casualties
+        for entry in self.armed:
+            casualties_module.arm(boat, entry.condition, entry.casualty, entry.rule)
+        boat.meet_world()
 
 
 def plan_run(options: RunOptions) -> Plan:
@@ -140,7 +136,8 @@ def plan_run(options: RunOptions) -> Plan:
     chosen = replace(options, **exercise_options(exercise, options.given)) if exercise else options
     file = load_vessel(chosen.vessel)
     if exercise:
-        refuse_too_deep(exercise, file)
+        place = f"{exercise.path.name}: [initial] depth_m"
+        refuse_depth(exercise.initial.depth_m, file, place)
     given = exercise.sea if exercise and options.sea is None else None
     sea, method = given or load_sea(options.sea or "calm"), choose_method(file, chosen)
     if problem := step_problem(sea_settings(sea, file.fluid.g), method.step):
@@ -197,11 +194,6 @@ def into_hand(exercise: Exercise, file: VesselFile) -> list[Scheduled]:
     orders = [parse(text) for axis in heading.hand for text in words[axis]]
     at = heading.hand_from_s or 0.0
     return [Scheduled(at, order, 0) for order in orders if isinstance(order, Order)]
-
-
-def refuse_too_deep(exercise: Exercise, file: VesselFile) -> None:
-    """Raise ConfigError if the exercise begins where this boat's hull would be lost."""
-    refuse_depth(exercise.initial.depth_m, file, f"{exercise.path.name}: [initial] depth_m")
 
 
 def refuse_depth(depth: float | None, file: VesselFile, place: str) -> None:

@@ -4,7 +4,7 @@ import contextlib
 import math
 import os
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -63,7 +63,11 @@ class Ports:
         sender = Direct(out, b"\n") if unhurried else Outbox(out, line_end=b"\n")
         inbox = Inbox(reader(0), self.wake)
         if unhurried and not os.isatty(0):
-            await_pipe(inbox)
+            while not inbox.ended:  # a pipe's orders act before the first tick
+                inbox.arrived.clear()
+                if not inbox.ended and not inbox.arrived.wait(PATIENCE):
+                    break
+            inbox.arrived.set()
         return self._person(Joined("console", inbox, sender))
 
     def console_line(self, url: str, baud: int) -> Station:
@@ -86,7 +90,8 @@ class Ports:
             with refusing("--listen"):
                 host, port = parse_address(address, f"{paths.HOST}:{paths.PORT}")
             refuse_open_door("--listen", host, tokens)
-        at_home = path is None and options.socket is None and joinable(options)
+        joinable = math.isfinite(options.speed) and (options.serve or not options.headless)
+        at_home = path is None and options.socket is None and joinable  # without being asked for
         if address is None and path is None and not at_home:
             return None
         hub = Server(self.wake, INTRODUCTION if tokens else math.inf)
@@ -114,7 +119,12 @@ class Ports:
         waits = GuessWaits()
 
         def admit(line: Connection) -> Station:
-            return self._station(line, access_at(line, tokens, waits))
+            def delay() -> float:
+                wait = waits.count(line.machine)
+                line.grant(wait)
+                return wait
+
+            return self._station(line, Access(tokens=tokens, entered=line.introduce, delay=delay))
 
         return Lobby(hub, admit, awaited)
 
@@ -147,26 +157,6 @@ class Ports:
         return Station(line, door, self.sending, self.log)
 
 
-def access_at(line: Connection, tokens: Mapping[str, str], waits: GuessWaits) -> Access:
-    """Return what is asked of a line that came, and what its wrong tokens cost."""
-
-    def delay() -> float:
-        wait = waits.count(line.machine)
-        line.grant(wait)
-        return wait
-
-    return Access(tokens=tokens, entered=line.introduce, delay=delay)
-
-
-def await_pipe(inbox: Inbox) -> None:
-    """Wait for a pipe to end or pause. At full speed its orders act before the first tick."""
-    while not inbox.ended:
-        inbox.arrived.clear()
-        if not inbox.ended and not inbox.arrived.wait(PATIENCE):
-            break
-    inbox.arrived.set()
-
-
 def address_or_none(text: str | None) -> str | None:
     """Return an address or path, None for none."""
     return None if text in (None, "none") else text
@@ -185,11 +175,6 @@ def listen_here(hub: Server, path: Path) -> None:
     """Listen at a local socket, and say so."""
     hub.listen_here(path)
     click.echo(f"{paths.LISTENING} {path}", err=True)
-
-
-def joinable(options: RunOptions) -> bool:
-    """Return whether stations may join without having been asked for: where time is kept."""
-    return math.isfinite(options.speed) and not (options.headless and not options.serve)
 
 
 def keeps_no_time(options: RunOptions) -> bool:

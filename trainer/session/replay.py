@@ -262,11 +262,9 @@ def replay_file(path: Path, otherwise: Mapping[str, Any], *, anyway: bool, as_js
         for note in (*found, *notes(header)):
             click.echo(plain(f"note: {note}"), err=True)
         flights = replay_anyway(recording, otherwise)
-    click.echo(
-        json_text([as_row(each) for each in flights], indent=1)
-        if as_json
-        else flights_page(flights)
-    )
+    lines = (plain(line) for flight in flights for line in describe_flight(flight))
+    rows = [as_row(each) for each in flights]
+    click.echo(json_text(rows, indent=1) if as_json else "\n".join(lines))
     return 0 if all(flight.same for flight in flights) else 1
 
 
@@ -284,11 +282,6 @@ def as_row(flight: Flight) -> dict[str, Any]:
         "answers": flight.answers,
         "trouble": flight.trouble,
     }
-
-
-def flights_page(flights: list[Flight]) -> str:
-    """Return the flights as lines."""
-    return "\n".join(plain(line) for flight in flights for line in describe_flight(flight))
 
 
 def describe_flight(flight: Flight) -> list[str]:

@@ -128,9 +128,11 @@ def run_once(options: RunOptions, begun: Begun) -> Ended:
         raise ConfigError("--trainee: this run is not recorded, and keeps no names: --record FILE")
     if paths or options.serve or not options.headless:
         kept, recording = create_recording(paths, header_of(options, texts, boat), state)
+    files = options.csv_path, options.rrd, options.nmea_record  # another run would replace them
+    barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
     prepared = PreparedRun(
         *(plan, boat, History(boat, recording), str(kept or ""), begun.clock, begun.debriefing),
-        following_of(options),
+        Following(problem_with(load_exercise), barred),
         begun.pages,
     )
     try:
@@ -152,13 +154,6 @@ def refuse_automatic(plan: Plan, path: Path | None) -> None:
     ]
     if problems:
         raise ConfigError(*problems)
-
-
-def following_of(options: RunOptions) -> Following:
-    """Return the exercises that may follow a run. Any may, if a recording is all it writes."""
-    files = options.csv_path, options.rrd, options.nmea_record
-    barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
-    return Following(problem_with(load_exercise), barred)
 
 
 def discard(kept: Path | None) -> None:

@@ -8,7 +8,6 @@ but what was given to another process.
 from dataclasses import dataclass, field
 
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.recording.recording import Journalled
 from trainer.session.agenda import HEAD as PLANNED
 from trainer.session.agenda import Agenda, Plans
 from trainer.session.crew import HEARD, CrewTalk, Talk
@@ -55,15 +54,9 @@ class Standing:
         crew, agenda = CrewTalk(self.crew.boat), Agenda(self.agenda.boat)
         for entry in self.history.said():
             order = parse(entry.text)
-            if isinstance(order, Order):
-                _hear_again(crew, agenda, entry, order)
+            taken = entry.accepted is not False
+            if isinstance(order, Order) and taken and order.name in HEARD:
+                crew.note(order, entry.who, entry.tick, entry.answer)  # but no report of pumps
+            if isinstance(order, Order) and (taken or entry.who.startswith(PLANNED)):
+                agenda.note(order, entry.who, entry.tick * agenda.boat.method.step)
             self._by_order[entry.id] = crew.talk, agenda.plans
-
-
-def _hear_again(crew: CrewTalk, agenda: Agenda, entry: Journalled, order: Order) -> None:
-    """Take what an order of the journal has made stand, or no longer stand."""
-    taken = entry.accepted is not False
-    if taken and order.name in HEARD:  # what the pumps did then is reported no more
-        crew.note(order, entry.who, entry.tick, entry.answer)
-    if taken or entry.who.startswith(PLANNED):  # a plan whose time has come is gone
-        agenda.note(order, entry.who, entry.tick * agenda.boat.method.step)

@@ -25,7 +25,7 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
     state = boat.records.state.tobytes()
     frame = StateReader(boat, lambda: ledger).frame(Picture(int(s.tick), state, Pace()))
     seen = view(frame, frame.truth)
-    method = boat.method
+    method, held = boat.method, describe_held(boat)
 
     def mode(by_hand: float) -> str:
         return "by hand" if by_hand else "automatic"
@@ -61,17 +61,12 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
         *sea_lines(boat),
         *(ballast_lines(boat) if boat.vessel.fitted else ()),
         *casualty_lines(boat),
-        *held_lines(boat),
-        ledger_line(ledger),
+        *(textwrap.wrap(f"frozen: {held}", WIDTH, subsequent_indent="  ") if held else ()),
+        (
+            f"ticks {ledger.ticks}, duty cycle {100 * ledger.duty_cycle:.3f} %, "
+            f"overruns {ledger.overruns}, gaps {ledger.gaps}"
+        ),
     ]
-
-
-def ledger_line(ledger: Summary) -> str:
-    """Return how the ticks have been kept."""
-    return (
-        f"ticks {ledger.ticks}, duty cycle {100 * ledger.duty_cycle:.3f} %, "
-        f"overruns {ledger.overruns}, gaps {ledger.gaps}"
-    )
 
 
 def casualty_lines(boat: Boat) -> list[str]:
@@ -88,12 +83,6 @@ def casualty_lines(boat: Boat) -> list[str]:
     if not kinds:
         return [instruments]
     return [instruments, *textwrap.wrap(f"casualties: {kinds}", WIDTH, subsequent_indent="  ")]
-
-
-def held_lines(boat: Boat) -> list[str]:
-    """Return what stands still while time goes on, if anything does."""
-    held = describe_held(boat)
-    return textwrap.wrap(f"frozen: {held}", WIDTH, subsequent_indent="  ") if held else []
 
 
 def sea_lines(boat: Boat) -> list[str]:

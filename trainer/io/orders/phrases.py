@@ -186,20 +186,17 @@ def pattern(row: str) -> re.Pattern[str]:
     return re.compile("".join(pieces))
 
 
-def opening(row: str) -> re.Pattern[str]:
-    """Return the expression of the words that a row may begin with."""
+def openings(row: str) -> list[str]:
+    """Return an expression for each word that a row may begin with."""
     items = row.split()
     first = next(i for i, item in enumerate(items) if not item.startswith("["))
     words = [each for item in items[: first + 1] for each in item.strip("[]").split("|")]
-    return re.compile("|".join(SLOTS.get(each, each) for each in words))
+    return [SLOTS.get(each, each) for each in words]
 
 
 def first_words(row: str) -> set[str]:
     """Return the words that a row may begin with; DIGIT for any number."""
-    items = row.split()
-    first = next(i for i, item in enumerate(items) if not item.startswith("["))
-    words = [each for item in items[: first + 1] for each in item.strip("[]").split("|")]
-    said = [each for word in words for each in spoken_as(SLOTS.get(word, word))]
+    said = [each for expression in openings(row) for each in spoken_as(expression)]
     return {DIGIT if each[0].isdigit() else each for each in said}
 
 
@@ -223,7 +220,9 @@ def by_first_word() -> dict[str, list[tuple[re.Pattern[str], Phrase]]]:
 DIGIT: Final = "0"  # stands for any number that a phrase may begin with
 COMPILED: Final = tuple((pattern(phrase.pattern), phrase) for phrase in PHRASES)
 BY_FIRST_WORD: Final = by_first_word()
-OPENINGS: Final = tuple((opening(phrase.pattern), phrase.example) for phrase in PHRASES)
+OPENINGS: Final = tuple(
+    (re.compile("|".join(openings(phrase.pattern))), phrase.example) for phrase in PHRASES
+)
 
 
 def meaning(tokens: list[str]) -> Meaning | None:

@@ -140,13 +140,10 @@ def _guard(connection: sqlite3.Connection) -> sqlite3.Connection:
     """Return a connection to what may be anybody's file, with bounds to what SQLite does for it."""
     for limit, most in BOUNDS:
         connection.setlimit(limit, most)
-    connection.set_progress_handler(_hear_signals, STEPS)
+    # Python looks for a signal there: SQLite's own work hears none
+    connection.set_progress_handler(lambda: None, STEPS)
     connection.executescript(GUARD)
     return connection
-
-
-def _hear_signals() -> None:
-    """Let Python look for a signal: SQLite's own work hears none."""
 
 
 def temporary(header: Mapping[str, str], state: bytes) -> sqlite3.Connection:

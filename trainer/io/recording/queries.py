@@ -199,7 +199,7 @@ class Past:
             place=here.place if place is None else place + 1,
         )
 
-    def orders(self, branch: int, after: int) -> list[Journalled]:
+    def orders(self, branch: int, after: int = 0) -> list[Journalled]:
         """Return the orders after number `after` that a branch includes, in order."""
         found = (
             "SELECT id, branch, tick, who, text, place AS scheduled, accepted, answer FROM orders "
@@ -215,7 +215,7 @@ class Past:
             here, last = self._branch(here.parent), here.after
         return [order for stretch in reversed(stretches) for order in stretch]
 
-    def snapshots(self, branch: int) -> list[tuple[str, Moment]]:
+    def snapshots_seen_from(self, branch: int) -> list[tuple[str, Moment]]:
         """Return the named moments, the latest of each name.
 
         What was kept in the past of the branch goes before what was kept elsewhere.

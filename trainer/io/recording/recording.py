@@ -22,7 +22,8 @@ from typing import Final
 from trainer.io.recording import file
 from trainer.io.recording.checkpoint import BRING_HOME, Checkpointer
 from trainer.io.recording.file import FORMAT, TOUCH, RecordingError, wall_time
-from trainer.io.recording.queries import Branch, Excess, Flown, Journalled, Moment, Noted, Past
+from trainer.io.recording.queries import Branch, Flown, Journalled, Moment, Noted, Past
+from trainer.io.recording.queries import Row as Answer
 
 __all__ = [
     "FORMAT",
@@ -72,8 +73,11 @@ MARK: Final = "mark"  # the kind of such an event
 COUNTED: Final = {STATE: "ticks", ORDER: "orders", EVENT: "events", SNAPSHOT: "snapshots"}
 
 
-class Recording:
-    """A recording being written, or looked at; for one thread, beside its own."""
+class Recording(Past):
+    """A recording being written, or looked at; for one thread, beside its own.
+
+    What waits is written before a question is answered, so that it is seen.
+    """
 
     trouble: str  # why nothing is written at present; "" while all is well
     branch: int  # the present one
@@ -96,18 +100,16 @@ class Recording:
         self.trouble = ""
         self.reachable = False
         self.absences = 0
-        self._name = name
-        self._connection = writing
-        self._reading = reading
-        self._checkpointer = checkpointer
-        self._past = Past(reading, name)
-        self.branch = self._branches = self._past.last_branch()
-        self._order = self._past.last_order()
-        self._tick = self._kept = self._past.last_tick(self.branch)
         self._waiting: dict[str, list[Row]] = {statement: [] for statement in STATEMENTS}
+        super().__init__(reading, name)
+        self._writer = writing
+        self._checkpointer = checkpointer
+        self.branch = self._branches = self.last_branch()
+        self._order = self.last_order()
+        self._tick = self._kept = self.last_tick(self.branch)
         self._states, self._timings = self._waiting[STATE], self._waiting[TIMING]
         self._writing_it = threading.Lock()  # held by who uses the connection to write
-        self._rows = threading.Lock()  # held for a moment where what waits grows shorter
+        self._shortening = threading.Lock()  # held for a moment where what waits grows shorter
         self._held = 0  # [bytes] that wait while it is out of reach
         self._gap = False  # more than there is room for has come: from then on it is only counted
         self._lost = dict.fromkeys(COUNTED, 0)  # in this gap
@@ -210,8 +212,8 @@ class Recording:
 
     def go_on(self, moment: Moment) -> None:
         """Go on after a gap, at a moment, in a new branch. It tells what is missing."""
-        parent = self._past.last_branch()
-        last = self._past.last_tick(parent)
+        parent = self.last_branch()
+        last = self.last_tick(parent)
         self._gap = self.reachable = False
         self.trouble = ""
         why = f"not recorded after tick {last}: {_counts(self._lost)} lost"
@@ -249,27 +251,13 @@ class Recording:
         while self.trouble and self._checkpointer and not self._gap and time.monotonic() < end:
             self._reach()
             time.sleep(BRIEFLY)
-        self._reading.close()
+        self._connection.close()
         if self._checkpointer:
             with contextlib.suppress(sqlite3.Error):  # it is all there, if not at home
-                self._connection.execute(BRING_HOME)
+                self._writer.execute(BRING_HOME)
         if self.trouble:
             self._drop()
-        self._connection.close()
-
-    # Reading: what waits is written first, so that it is seen
-
-    def header(self) -> dict[str, str]:
-        """Return what the recording was begun with."""
-        return self._past.header()
-
-    def branches(self) -> list[Branch]:
-        """Return all branches, oldest first."""
-        return self._seen().branches()
-
-    def last_tick(self, branch: int) -> int:
-        """Return the tick of the last state of a branch, its start at least."""
-        return self._seen().last_tick(branch)
+        self._writer.close()
 
     def state_at(self, branch: int, tick: int) -> bytes | None:
         """Return the state at the end of a tick in a branch or its ancestry."""
@@ -278,60 +266,27 @@ class Recording:
 
     def latest(self) -> Moment:
         """Return the end of the last recorded tick of the latest branch."""
-        past = self._seen()
-        branch = past.last_branch()
-        moment = past.moment(branch, past.last_tick(branch))
+        branch = self.last_branch()
+        moment = self.moment(branch, self.last_tick(branch))
         if moment is None:
             raise RecordingError(f"{self._name} cannot be read: its last state is missing")
         return moment
-
-    def moment(self, branch: int, tick: int) -> Moment | None:
-        """Return the end of a tick in a branch or its ancestry. None if it is not recorded."""
-        return self._seen().moment(branch, tick)
-
-    def orders(self, branch: int, after: int = 0) -> list[Journalled]:
-        """Return the orders after number `after` of a branch and its past, in order."""
-        return self._seen().orders(branch, after)
 
     def snapshots(self) -> list[tuple[str, Moment]]:
         """Return the named moments: the latest of each name in the present branch's past.
 
         What was kept on other branches only is there too, before them.
         """
-        return self._seen().snapshots(self.branch)
+        return self.snapshots_seen_from(self.branch)
 
-    def flown(self, branch: int) -> Iterator[Flown]:
-        """Yield every tick of a branch and of the ancestry that led to it."""
-        return self._seen().flown(branch)
-
-    def states(self, branch: int) -> Iterator[tuple[int, bytes]]:
-        """Yield tick and state of the branch alone, the state that it begins with first."""
-        return self._seen().states(branch)
-
-    def events(self) -> Iterator[Noted]:
-        """Yield what was noted on all branches, in order of time."""
-        return self._seen().events()
-
-    def first_events(self) -> Iterator[Noted]:
-        """Yield the events as far as a file is read."""
-        return self._seen().first_events()
-
-    def excess(self) -> tuple[Excess, ...]:
-        """Return of what there is more than is read of a file."""
-        return self._seen().excess()
-
-    def refuse_branches(self) -> None:
-        """Raise RecordingError if there are more branches than are read of a file."""
-        self._seen().refuse_branches()
-
-    def ledger(self, branch: int) -> Iterator[tuple[int, int, int]]:
-        """Yield tick, lateness [ns] and work [ns] of the branch alone."""
-        return self._seen().ledger(branch)
+    def _rows(self, question: str, *values: int) -> Iterator[Answer]:
+        self.flush()
+        return super()._rows(question, *values)
 
     def _put(self, statement: str, row: Row) -> None:
         """Let a row wait; out of reach only as long as there is room."""
         if self._gap:
-            self._count(statement, 1)
+            self._count_lost(statement, 1)
             return
         rows = self._waiting[statement]
         rows.append(row)
@@ -344,13 +299,13 @@ class Recording:
 
     def _drop(self) -> None:
         """Give up what waits, and count it."""
-        with self._rows:
+        with self._shortening:
             self._gap = True
             for statement, rows in self._waiting.items():
-                self._count(statement, len(rows))
+                self._count_lost(statement, len(rows))
                 rows.clear()
 
-    def _count(self, statement: str, number: int) -> None:
+    def _count_lost(self, statement: str, number: int) -> None:
         for counts in (self._lost, self._missing):
             if statement in counts:
                 counts[statement] += number
@@ -378,18 +333,18 @@ class Recording:
         # a row may rest on one of a kind before its own, which is therefore counted after it
         counts = {each: len(self._waiting[each]) for each in reversed(STATEMENTS)}
         try:
-            _begin(self._connection, time.monotonic() + patience)
+            _begin(self._writer, time.monotonic() + patience)
             for statement in STATEMENTS:
                 if counts[statement]:
                     rows = self._waiting[statement][: counts[statement]]
-                    self._connection.executemany(statement, rows)
-            self._connection.execute("COMMIT")
+                    self._writer.executemany(statement, rows)
+            self._writer.execute("COMMIT")
         except sqlite3.Error:
             with contextlib.suppress(sqlite3.Error):
-                if self._connection.in_transaction:
-                    self._connection.execute("ROLLBACK")
+                if self._writer.in_transaction:
+                    self._writer.execute("ROLLBACK")
             raise
-        with self._rows:
+        with self._shortening:
             if self._checkpointer:
                 promised = self._has_promised(counts)
                 self._checkpointer.disk.expect(SAFE_WITHIN_S if promised else FLOWN_WITHIN_S)
@@ -399,7 +354,7 @@ class Recording:
         if self._checkpointer and self._checkpointer.gone:
             self._lose("is not there any more: removed, or its disk is; write to another")
         elif self._checkpointer:
-            self._checkpointer.relieve(self._connection)
+            self._checkpointer.relieve(self._writer)
 
     def _has_promised(self, counts: Mapping[str, int]) -> bool:
         """Return whether something of what was written may not be lost with the power.
@@ -438,26 +393,22 @@ class Recording:
     def _try(self) -> None:
         """Write what waits, after a gap the least that is a write; sqlite3.Error."""
         if self._gap:
-            _begin(self._connection, 0.0)
-            self._connection.execute(TOUCH)
-            self._connection.execute("COMMIT")
+            _begin(self._writer, 0.0)
+            self._writer.execute(TOUCH)
+            self._writer.execute("COMMIT")
             self.reachable = True
             return
         self._commit(0.0)
-        with self._rows:
+        with self._shortening:
             self._held = 0
             if not self._gap:
                 self.trouble = ""
-
-    def _seen(self) -> Past:
-        self.flush()
-        return self._past
 
     def _owner(self, moment: Moment) -> int:
         """Return the branch that a moment is of: a replay may stand before its branch's start."""
         if self.trouble:
             return moment.branch
-        return self._past.owner(moment.branch, moment.tick, moment.after)
+        return self.owner(moment.branch, moment.tick, moment.after)
 
     def _lose(self, error: sqlite3.Error | str) -> None:
         """Note that the recording is out of reach."""

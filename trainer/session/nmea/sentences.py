@@ -5,16 +5,15 @@ The talker is IN, integrated navigation, which every reader takes.
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Final
 
-from trainer.core.casualties import SOUNDER_RANGE
+from trainer.core.ballast.tanks import BANKS
 from trainer.io.chart import Chart
-from trainer.io.nmea import LINE_END, number, sentence
-from trainer.session.nmea import readings as tell
-from trainer.session.nmea.readings import DILUTION, SATELLITES, WIDEST, Readings, sight
+from trainer.io.nmea import LINE_END, sentence
+from trainer.session.nmea.readings import BALLAST, WIDEST, sight
 from trainer.session.nmea.transponders import Transponders
 from trainer.session.stations.view import Frame
 
@@ -24,16 +23,21 @@ BOAT_DEPTHS: Final = ("INDBT", "INDPT")  # the boat's own depth as if it were a 
 GAUGES: Final = "as the gauges show it"
 TRUE: Final = "navigation system: true"
 
+Part = str | tuple[str, str]
+
 
 @dataclass(frozen=True)
 class Instrument:
-    """One sentence: its address, what it tells, its fields with their units, and from where."""
+    """One sentence: its address, what it tells, its fields with their units, and from where.
+
+    A part is what a field tells and the name of its reading, or a word that is always there: the
+    field is that up to its comma, none for "-".
+    """
 
     address: str
     says: str
-    fields: tuple[str, ...]
+    parts: tuple[Part, ...]
     source: str
-    read: Callable[[Readings], tuple[str, ...]]
     ground: bool = False  # sent only where there is a ground
     asked: bool = False  # sent only where it is named
 
@@ -48,243 +52,250 @@ class Instrument:
             return self.address
         return self.address.removeprefix(TALKER).removeprefix(SOUNDER)
 
-    def fits(self, seen: Readings) -> bool:
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Return what each field tells."""
+        return tuple(part if isinstance(part, str) else part[0] for part in self.parts)
+
+    def fits(self, seen: dict[str, str]) -> bool:
         """Return whether the sentence is one of a tick's set."""
-        return seen.keel is not None or not self.ground
+        return seen["keel"] != "" or not self.ground
 
-    def sentence(self, seen: Readings) -> str:
+    def sentence(self, seen: dict[str, str]) -> str:
         """Return the sentence of a tick."""
-        return sentence(self.address, *self.read(seen))
+        return sentence(self.address, *(text_of(part, seen) for part in self.parts))
 
 
-UTC_TIME: Final = "UTC hhmmss.ss"
-WHERE: Final = ("latitude ddmm.mmmmm", "N or S", "longitude dddmm.mmmmm", "E or W")
+def text_of(part: Part, seen: dict[str, str]) -> str:
+    """Return a field of a tick."""
+    if isinstance(part, str):
+        return part.partition(",")[0].removeprefix("-")
+    return seen[part[1]]
+
+
+UTC_TIME: Final = ("UTC hhmmss.ss", "time")
+WHERE: Final = (
+    *(("latitude ddmm.mmmmm", "latitude"), ("N or S", "north_or_south")),
+    *(("longitude dddmm.mmmmm", "longitude"), ("E or W", "east_or_west")),
+)
+TICK: Final = ("tick", "tick")
+BELOW: Final = "the ground's depth below the transducer, where there is a ground"
 
 INSTRUMENTS: Final = (
     Instrument(
         "INRMC",
         "recommended minimum: time, position, way, date",
         (
-            *(UTC_TIME, "A", *WHERE, "speed over the ground [kn]", "track [deg true]"),
-            *("date ddmmyy", "-", "-", "E, dead reckoning"),
+            *(UTC_TIME, "A", *WHERE, ("speed over the ground [kn]", "over_ground")),
+            *(("track [deg true]", "track"), ("date ddmmyy", "date")),
+            *("-", "-", "E, dead reckoning"),
         ),
         TRUE,
-        tell.rmc_fields,
     ),
     Instrument(
         "INGGA",
         "fix, with the depth as altitude",
         (
-            *(UTC_TIME, *WHERE, "6, dead reckoning", f"{SATELLITES} satellites"),
-            *(f"dilution {DILUTION}", "altitude [m], below zero when submerged", "M"),
+            *(UTC_TIME, *WHERE, "6, dead reckoning"),
+            *(("08 satellites", "satellites"), ("dilution 1.0", "dilution")),
+            *(("altitude [m], below zero when submerged", "altitude"), "M"),
             *("0.0", "M", "-", "-"),
         ),
         f"position true, altitude {GAUGES}",
-        tell.fix,
     ),
     Instrument(
         "INVTG",
         "way made over the ground",
-        ("track [deg true]", "T", "-", "M", "speed [kn]", "N", "speed [km/h]", "K", "E"),
+        (
+            *(("track [deg true]", "track"), "T", "-", "M"),
+            *(("speed [kn]", "over_ground"), "N", ("speed [km/h]", "over_ground_kmh"), "K", "E"),
+        ),
         TRUE,
-        tell.way,
     ),
     Instrument(
         "INDBT",
         "the boat's depth, as if it were a sounding",
-        ("depth [ft]", "f", "depth [m]", "M", "depth [fathom]", "F"),
+        (
+            *(("depth [ft]", "depth_feet"), "f", ("depth [m]", "depth_shown"), "M"),
+            *(("depth [fathom]", "depth_fathoms"), "F"),
+        ),
         GAUGES,
-        lambda s: tell.depth(max(s.depth, 0.0)),
         asked=True,
     ),
     Instrument(
         "SDDBT",
-        "the ground's depth below the transducer, where there is a ground",
-        ("depth [ft]", "f", "depth [m]", "M", "depth [fathom]", "F"),
+        BELOW,
+        (
+            *(("depth [ft]", "sounding_feet"), "f", ("depth [m]", "sounding"), "M"),
+            *(("depth [fathom]", "sounding_fathoms"), "F"),
+        ),
         GAUGES,
-        lambda s: tell.depth(s.sounding),
         ground=True,
     ),
     Instrument(
         "PASHR",
         "attitude",
         (
-            *("UTC hhmmss.sss", "heading [deg]", "T", "heel [deg], to starboard positive"),
-            *("pitch [deg], bow up positive", "-", "-", "-", "-", "0", "0"),
+            *(("UTC hhmmss.sss", "time_to_ms"), ("heading [deg]", "heading"), "T"),
+            *(
+                ("heel [deg], to starboard positive", "heel"),
+                ("pitch [deg], bow up positive", "pitch"),
+            ),
+            *("-", "-", "-", "-", "0", "0"),
         ),
         f"heading {GAUGES}, heel and pitch true",
-        tell.attitude,
     ),
-    Instrument(
-        "INHDT",
-        "heading",
-        ("heading [deg true]", "T"),
-        GAUGES,
-        lambda s: (number(s.heading, 2), "T"),
-    ),
+    Instrument("INHDT", "heading", (("heading [deg true]", "heading"), "T"), GAUGES),
     Instrument(
         "INDPT",
         "the boat's depth, as if it were a sounding",
-        ("depth [m]", "0.0", "-"),
+        (("depth [m]", "depth_shown"), "0.0", "-"),
         GAUGES,
-        lambda s: (number(max(s.depth, 0.0), 2), "0.0", ""),
         asked=True,
     ),
     Instrument(
         "SDDPT",
-        "the ground's depth below the transducer, where there is a ground",
-        ("depth [m]", "offset [m], negative: to the keel", "range [m]"),
+        BELOW,
+        (
+            *(("depth [m]", "sounding"), ("offset [m], negative: to the keel", "keel")),
+            ("range [m]", "range"),
+        ),
         GAUGES,
-        lambda s: (number(s.sounding, 2), number(-(s.keel or 0.0), 1), number(SOUNDER_RANGE, 1)),
         ground=True,
     ),
     Instrument(
-        "INROT",
-        "rate of turn",
-        ("rate [deg/min], to starboard positive", "A"),
-        "true",
-        lambda s: (number(s.turn, 1), "A"),
+        "INROT", "rate of turn", (("rate [deg/min], to starboard positive", "turn"), "A"), "true"
     ),
     Instrument(
         "INVHW",
         "heading and speed through the water",
-        ("heading [deg true]", "T", "-", "M", "speed [kn]", "N", "speed [km/h]", "K"),
+        (
+            *(("heading [deg true]", "heading"), "T", "-", "M"),
+            *(("speed [kn]", "speed"), "N", ("speed [km/h]", "speed_kmh"), "K"),
+        ),
         GAUGES,
-        tell.water_speed,
     ),
     Instrument(
         "INVDR",
         "current, where it goes to",
-        ("set [deg true]", "T", "-", "M", "drift [kn]", "N"),
+        (("set [deg true]", "current"), "T", "-", "M", ("drift [kn]", "drift"), "N"),
         TRUE,
-        tell.current,
         asked=True,
     ),
     Instrument(
         "INVBW",
         "speeds through the water and over the ground",
         (
-            *("ahead through the water [kn]", "across, to starboard positive [kn]", "A"),
-            *("ahead over the ground [kn]", "across [kn]", "A", "-", "V", "-", "V"),
+            ("ahead through the water [kn]", "speed"),
+            *(("across, to starboard positive [kn]", "across"), "A"),
+            ("ahead over the ground [kn]", "ahead_over_ground"),
+            *(("across [kn]", "across_over_ground"), "A", "-", "V", "-", "V"),
         ),
         f"ahead through the water {GAUGES}, the rest true",
-        tell.ways,
         asked=True,
     ),
     Instrument(
         "INRSA",
         "rudder angle",
-        ("angle [deg], right positive", "A", "-", "V"),
+        (("angle [deg], right positive", "rudder"), ("A", "rudder_status"), "-", "V"),
         "as it is",
-        lambda s: tell.starboard(s.rudder.angle),
     ),
     Instrument(
         "INROR",
         "rudder ordered, by hand or by the autopilot",
-        ("angle [deg], right positive", "A", "-", "V", "B, bridge"),
+        (
+            ("angle [deg], right positive", "ordered_rudder"),
+            *(("A", "ordered_rudder_status"), "-", "V", "B, bridge"),
+        ),
         "as ordered",
-        tell.ror_fields,
     ),
     Instrument(
         "INRPM",
         "revolutions of the shaft",
-        ("S, shaft", "0, single", "revolutions [1/min]", "-", "A"),
+        ("S, shaft", "0, single", ("revolutions [1/min]", "rpm"), "-", "A"),
         "as it is",
-        lambda s: ("S", "0", number(s.rpm, 1), "", "A"),
     ),
     Instrument(
         "INETL",
         "engine telegraph",
         (
-            *(UTC_TIME, "O, order", "position 00 to 05 ahead, 12 to 14 astern"),
+            *(UTC_TIME, "O, order", ("position 00 to 05 ahead, 12 to 14 astern", "bell")),
             *("-", "B, bridge", "0, single"),
         ),
         "as rung; empty when speed is kept or turns are ordered",
-        tell.telegraph,
     ),
     Instrument(
         "INXDR",
         "attitude",
         (
-            *("A", "angle [deg], bow up positive", "D", "PITCH"),
-            *("A", "angle [deg], to starboard positive", "D", "ROLL"),
+            *("A", ("angle [deg], bow up positive", "pitch"), "D", "PITCH"),
+            *("A", ("angle [deg], to starboard positive", "heel"), "D", "ROLL"),
         ),
         "true",
-        lambda s: tell.angles(pitch=s.pitch, roll=s.heel),
     ),
-    Instrument(
-        "INXDR",
-        "the boat's depth",
-        ("D", "depth [m]", "M", "DEPTH"),
-        GAUGES,
-        lambda s: ("D", number(s.depth, 2), "M", "DEPTH"),
-    ),
+    Instrument("INXDR", "the boat's depth", ("D", ("depth [m]", "depth"), "M", "DEPTH"), GAUGES),
     Instrument(
         "INXDR",
         "planes",
         (
-            *("A", "angle [deg], rising positive", "D", "STERN"),
-            *("A", "angle [deg], rising positive", "D", "BOW"),
+            *("A", ("angle [deg], rising positive", "stern"), "D", "STERN"),
+            *("A", ("angle [deg], rising positive", "bow"), "D", "BOW"),
         ),
         "as they are",
-        lambda s: tell.angles(stern=s.stern.angle, bow=s.bow.angle),
     ),
     Instrument(
         "PXSC",
         "own: motion",
         (
-            *("M", "tick", "depth [m]", "heading [deg]", "speed through the water [kn]"),
-            *("pitch [deg]", "heel [deg]", "rate of turn [deg/s]"),
+            *("M", TICK, ("depth [m]", "depth"), ("heading [deg]", "heading")),
+            *(("speed through the water [kn]", "speed"), ("pitch [deg]", "pitch")),
+            *(("heel [deg]", "heel"), ("rate of turn [deg/s]", "turn_per_second")),
         ),
         f"depth, heading and speed {GAUGES}, the rest true",
-        tell.motion,
     ),
     Instrument(
         "PXSC",
         "own: place",
         (
-            *("P", "tick", "north of the origin [m]", "east of it [m]", "track [deg]"),
-            "speed over the ground [kn]",
+            *("P", TICK, ("north of the origin [m]", "north"), ("east of it [m]", "east")),
+            *(("track [deg]", "track"), ("speed over the ground [kn]", "over_ground")),
         ),
         TRUE,
-        tell.place,
     ),
     Instrument(
         "PXSC",
         "own: surfaces, right and rising positive",
         (
-            *("C", "tick", "rudder [deg]", "ordered [deg]", "stern planes [deg]"),
-            *("ordered [deg]", "bow planes [deg]", "ordered [deg]"),
+            *("C", TICK, ("rudder [deg]", "rudder"), ("ordered [deg]", "ordered_rudder")),
+            *(("stern planes [deg]", "stern"), ("ordered [deg]", "ordered_stern")),
+            *(("bow planes [deg]", "bow"), ("ordered [deg]", "ordered_bow")),
         ),
         "as they are and as ordered",
-        tell.controls,
     ),
     Instrument(
         "PXSC",
         "own: engine, and what the autopilot keeps",
         (
-            *("E", "tick", "revolutions [1/min]", "ordered [1/min]", "depth kept [m]"),
-            *("course kept [deg]", "speed kept [kn]"),
+            *("E", TICK, ("revolutions [1/min]", "rpm"), ("ordered [1/min]", "ordered_rpm")),
+            *(("depth kept [m]", "ordered_depth"), ("course kept [deg]", "ordered_course")),
+            ("speed kept [kn]", "ordered_speed"),
         ),
         "as they are and as ordered",
-        tell.engine,
     ),
     Instrument(
         "PXSC",
         "own: ballast",
         (
-            *("B", "tick", "tanks [% full]: forward", "mid", "aft", "negative", "trim forward"),
-            *("trim aft", "auxiliary", "depth control"),
+            *("B", TICK, ("tanks [% full]: forward", "full_forward")),
+            *((tank.replace("_", " "), f"full_{tank}") for tank in BALLAST[1:]),
         ),
         "as they are",
-        tell.ballast,
     ),
     Instrument(
         "PXSC",
         "own: air banks",
-        ("A", "tick", "main [MPa]", "emergency [MPa]"),
+        ("A", TICK, *((f"{bank} [MPa]", f"air_{bank}") for bank in BANKS)),
         "as they are",
-        tell.air,
     ),
 )
 NAMES: Final = tuple(dict.fromkeys(instrument.name for instrument in INSTRUMENTS))

@@ -45,9 +45,7 @@ def antenna(frame: Frame) -> float:
     depth = frame.boat.file.run.periscope_depth_m
     if depth is not None:
         return depth + RAISED - frame["z"] - frame["eta_wave"]
-    x, z = frame.fittings.sail
-    lifted = x * math.sin(frame["theta"]) - z * math.cos(frame["theta"]) * math.cos(frame["phi"])
-    return lifted - frame["z"] - frame["eta_wave"]
+    return frame.height(*frame.fittings.sail)
 
 
 def audible(ship: Seen, frame: Frame, height: float) -> bool:

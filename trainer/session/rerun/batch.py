@@ -1,8 +1,12 @@
-"""The subject that the viewer shows, and batches of columns on their way there."""
+"""The subject that the viewer shows, and batches of columns on their way there.
+
+A run may be wound back, so that its ticks do; the time in the viewer goes on all the same. The time
+of a tick's work is known only after its state has been handed over: it comes with the next.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +16,11 @@ from trainer.config.exercise import Limits
 from trainer.core.kernel import Numbers
 from trainer.session.layout import LAYOUT
 from trainer.session.plan import Plan
+from trainer.session.stations.view import Pace
+
+Whole = NDArray[np.int64]
+
+PLACES: Final[Mapping[str, int]] = {name: i for i, name in enumerate(LAYOUT)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,21 +47,11 @@ class Subject:
         return self.boat.method.step
 
 
-Whole = NDArray[np.int64]
-
-PLACES: Final[Mapping[str, int]] = {name: i for i, name in enumerate(LAYOUT)}
-
-
 class Times(NamedTuple):
     """When each row was."""
 
     ticks: Whole  # [-] of the run: they go back where it is wound back
     seconds: Numbers  # [s] these never do
-
-    @classmethod
-    def of(cls, ticks: Sequence[int], seconds: Sequence[float]) -> "Times":
-        """Return the times of rows of these ticks and times [s]."""
-        return cls(np.array(ticks, np.int64), np.array(seconds, np.float64))
 
     def at(self, rows: NDArray[np.bool_]) -> "Times":
         """Return the times of some of the rows."""
@@ -114,6 +113,98 @@ def states(parts: list[bytes], layout: tuple[str, ...]) -> Numbers:
         if name in PLACES:
             whole[:, PLACES[name]] = read[:, i]
     return whole
+
+
+class Taken(NamedTuple):
+    """A picture as it was handed over, and the ledger at that moment."""
+
+    tick: int
+    state: bytes
+    pace: Pace
+    timed: int  # ticks in the ledger
+    lateness: int  # [ns] of the last of them
+    work: int  # [ns]
+
+
+class Heard(NamedTuple):
+    """News, as they were handed over."""
+
+    tick: int
+    kind: str
+    text: str
+
+
+class Rows:
+    """Some of what was handed over, with its times. In columns, which the collector passes by."""
+
+    def __init__(self) -> None:
+        self.handed: list[Any] = []
+        self.ticks: list[int] = []
+        self.seconds: list[float] = []
+
+    def add(self, handed: Taken | Heard, tick: int, seconds: float) -> None:
+        """Take one with its tick and time [s]."""
+        self.handed.append(handed)
+        self.ticks.append(tick)
+        self.seconds.append(seconds)
+
+    @property
+    def times(self) -> Times:
+        """Return when each was."""
+        return Times(np.array(self.ticks, np.int64), np.array(self.seconds, np.float64))
+
+
+def batch_of(pictures: Rows, timed: Rows, told: Rows, layout: tuple[str, ...] = LAYOUT) -> Batch:
+    """Return a batch of pictures, of those whose work was timed, and of news."""
+    taken: list[Taken] = pictures.handed
+    block = Block(
+        pictures.times,
+        states([each.state for each in taken], layout),
+        np.array([each.pace.branch for each in taken], np.int64),
+        np.array([each.pace.replaying for each in taken], np.bool_),
+    )
+    lateness = np.array([each.lateness for each in timed.handed], np.float64)
+    work = np.array([each.work for each in timed.handed], np.float64)
+    kinds = tuple(heard.kind for heard in told.handed)
+    texts = tuple(heard.text for heard in told.handed)
+    return Batch(block, Worked(timed.times, lateness, work), Told(told.times, kinds, texts))
+
+
+class Gathering:
+    """Where the run stands, from batch to batch."""
+
+    def __init__(self, step: float) -> None:
+        """Take the step [s]."""
+        self._step = step
+        self._last: Taken | None = None
+        self._seconds = 0.0  # of the last picture
+
+    def batch(self, handed: Sequence[Taken | Heard]) -> Batch:
+        """Return what was handed over, in that order."""
+        pictures, timed, told = Rows(), Rows(), Rows()
+        for each in handed:
+            if isinstance(each, Heard):
+                told.add(each, each.tick, self._seconds)
+                continue
+            last = self._last
+            if last is not None and each.timed != last.timed:
+                timed.add(each, last.tick, self._seconds)
+            if self._moved(last, each):
+                pictures.add(each, each.tick, self._seconds)
+            self._last = each
+        return batch_of(pictures, timed, told)
+
+    def _moved(self, last: Taken | None, taken: Taken) -> bool:
+        """Let time go on to a picture; return whether it is another than the last."""
+        if last is None:
+            self._seconds = taken.tick * self._step
+            return True
+        ahead = taken.tick - last.tick
+        if ahead == 0 and taken.state == last.state:
+            return False
+        same = ahead > 0 and taken.pace.branch == last.pace.branch
+        self._seconds += (ahead if same else 1) * self._step
+        return True
 
 
 class Changes:

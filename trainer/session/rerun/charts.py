@@ -1,8 +1,8 @@
-"""Time series of a block as charts, and states as words under a time line."""
+"""Time series of a block as charts, and states as words under a time line: two tables."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -18,20 +18,19 @@ from trainer.units import KNOT
 
 TONNE: Final = 1000.0  # [kg]
 MICROSECOND: Final = 1000.0  # [ns]
-UNITS: Final = {"%": "percent"}  # in a path
-
-# Okabe and Ito (2008), in the order of their contrast with a dark ground
-COLOURS: Final = (
-    *((86, 180, 233), (230, 159, 0), (0, 158, 115), (240, 228, 66)),
-    *((204, 121, 167), (213, 94, 0), (240, 240, 240), (0, 114, 178)),
-)
-
-
+DEGREE: Final = np.pi / 180.0  # [rad]
 DOWNWARDS: Final = -1.0  # [m] a viewer's numbers grow upwards: 60 m of depth is drawn at -60
+UNITS: Final = {"%": "percent"}  # in a path
+LEDGER: Final = "charts/ticks_us"  # what became of the ticks, which no state tells
+LEDGER_LABELS: Final = ["work", "lateness"]
+SLOTS: Final = tuple(f"casualty[{i}]" for i in range(CASUALTIES))
+LEFT: Final = tuple(f"casualty_ticks[{i}]" for i in range(CASUALTIES))
+ACTING, CLEARED = "acting", "being cleared"
+BLOWS: Final = ("", "", " (emergency)")  # by the position of a blow valve
+AUTO, HAND, BROKEN, MENDING = 0x56B4E9FF, 0xE69F00FF, 0xD55E00FF, 0xCC79A7FF
 
 
-@dataclass(frozen=True)
-class Series:
+class Series(NamedTuple):
     """One line of a chart."""
 
     name: str
@@ -67,11 +66,6 @@ class Chart:
         return np.stack([each.read(block) for each in self.series], axis=1)
 
 
-# what became of the ticks, which no state tells
-LEDGER: Final = "charts/ticks_us"
-LEDGER_LABELS: Final = ["work", "lateness"]
-
-
 def ledger_columns(worked: Worked) -> Numbers:
     """Return work and lateness [us] of the ticks that were timed."""
     return np.stack((worked.work, worked.lateness), axis=1) / MICROSECOND
@@ -79,7 +73,40 @@ def ledger_columns(worked: Worked) -> Numbers:
 
 def charts_of(boat: Boat) -> tuple[Chart, ...]:
     """Return the charts that the boat has something to show in."""
-    return tuple(chart for chart in (*_motion(boat), *_ballast(boat)) if chart.series)
+    c = boat.vessel
+    tonne = float(c.g) * TONNE  # [N]
+    capacity = dict(zip(TANKS, c.capacity.tolist(), strict=True))
+    full = dict(zip(BANKS, c.bank_full.tolist(), strict=True))
+    depth = _place("true", "z", DOWNWARDS), _order("ordered_depth", DOWNWARDS, depth_kept)
+    heading = _place("true", "psi", DEGREE), _order("ordered_psi", DEGREE, _automatic("rudder"))
+    speed = _place("true", "u", KNOT), _order("ordered_speed", KNOT, _automatic("speed"))
+    heavier = Series("heavier than at rest", lambda b: (b["weight"] - float(c.buoyancy)) / tonne)
+    tanks = [_place(_words(t), f"water_{t}", 0.01 * capacity[t]) for t in BLOWN if capacity[t]]
+    trim = [_place(_words(t), f"water_{t}", TONNE) for t in PUMPED if capacity[t]]
+    names = {t: t.removeprefix("compartment_") for t in COMPARTMENTS if capacity[t]}
+    flooded = [_place(_words(name), f"flood_{name}", TONNE) for name in names.values()]
+    banks = [
+        _place(_words(bank), f"bank_{bank}", 0.01 * full[bank]) for bank in BANKS if full[bank]
+    ]
+    charts = (
+        Chart("depth", "m", depth, ", downwards"),
+        Chart("heading", "deg", heading),
+        Chart("speed", "kn", (*speed, _place("turns make", "u_c", KNOT))),
+        Chart("attitude", "deg", (_place("pitch", "theta", DEGREE), _place("heel", "phi", DEGREE))),
+        Chart("surfaces", "deg", tuple(_surfaces(boat))),
+        Chart("ground", "kn", (Series("speed", over_ground), Series("drift", drift))),
+        Chart("sea", "m", (_place("above the boat", "eta_wave"), _place("height", "sea_height"))),
+        Chart("weight", "t", (heavier,)),
+        Chart("ballast", "%", tuple(tanks)),
+        Chart("trim", "t", tuple(trim)),
+        Chart("flooding", "t", tuple(flooded)),
+        Chart("air", "%", tuple(banks)),
+    )
+    return tuple(chart for chart in charts if chart.series)
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
 
 
 def _place(name: str, place: str, unit: float = 1.0) -> Series:
@@ -87,9 +114,13 @@ def _place(name: str, place: str, unit: float = 1.0) -> Series:
     return Series(name, lambda block: block[place] / unit)
 
 
-def _standing_order(name: str, place: str, unit: float, kept: Callable[[Block], Numbers]) -> Series:
+def _order(place: str, unit: float, kept: Callable[[Block], Numbers]) -> Series:
     """Return a standing order, where it is kept."""
-    return Series(name, lambda block: np.where(kept(block) > 0.0, block[place] / unit, np.nan))
+    return Series("ordered", lambda b: np.where(kept(b) > 0.0, b[place] / unit, np.nan))
+
+
+def _automatic(what: str) -> Callable[[Block], Numbers]:
+    return lambda block: 1.0 - block[f"{what}_by_hand"]
 
 
 def depth_kept(block: Block) -> Numbers:
@@ -112,122 +143,21 @@ def drift(block: Block) -> Numbers:
     return speed
 
 
-def _motion(boat: Boat) -> Iterator[Chart]:
-    """Yield the charts of how the boat moves and is steered."""
-    degree = np.pi / 180.0
-    yield Chart(
-        "depth",
-        "m",
-        (
-            _place("true", "z", DOWNWARDS),
-            _standing_order("ordered", "ordered_depth", DOWNWARDS, depth_kept),
-        ),
-        ", downwards",
-    )
-    yield Chart(
-        "heading",
-        "deg",
-        (
-            _place("true", "psi", degree),
-            _standing_order(
-                "ordered", "ordered_psi", degree, lambda block: 1.0 - block["rudder_by_hand"]
-            ),
-        ),
-    )
-    yield Chart(
-        "speed",
-        "kn",
-        (
-            _place("true", "u", KNOT),
-            _standing_order(
-                "ordered", "ordered_speed", KNOT, lambda block: 1.0 - block["speed_by_hand"]
-            ),
-            _place("turns make", "u_c", KNOT),
-        ),
-    )
-    yield Chart(
-        "attitude", "deg", (_place("pitch", "theta", degree), _place("heel", "phi", degree))
-    )
-    yield Chart("surfaces", "deg", tuple(_surfaces(boat, degree)))
-    yield Chart("ground", "kn", (Series("speed", over_ground), Series("drift", drift)))
-    yield Chart("sea", "m", (_place("above the boat", "eta_wave"), _place("height", "sea_height")))
-
-
-def _surfaces(boat: Boat, degree: float) -> Iterator[Series]:
+def _surfaces(boat: Boat) -> Iterator[Series]:
     """Yield each surface as it is and as it is told; right and rise are positive."""
     for surface, letter in SURFACES.items():
-        toward = boat.toward[surface]
-        if not toward:
+        unit = boat.toward[surface] * DEGREE
+        if not unit:
             continue
-        yield _place(surface, f"delta_{letter}", toward * degree)
-        by_hand = f"{surface}_by_hand"
-        told = f"ordered_{letter}", f"command_{letter}"
+        yield _place(surface, f"delta_{letter}", unit)
 
         def ordered(
-            block: Block,
-            unit: float = toward * degree,
-            by: str = by_hand,
-            names: tuple[str, str] = told,
+            block: Block, unit: float = unit, surface: str = surface, letter: str = letter
         ) -> Numbers:
-            return np.where(block[by] > 0.0, block[names[0]], block[names[1]]) / unit
+            by_hand = block[f"{surface}_by_hand"] > 0.0
+            return np.where(by_hand, block[f"ordered_{letter}"], block[f"command_{letter}"]) / unit
 
         yield Series(f"{surface} ordered", ordered)
-
-
-def _ballast(boat: Boat) -> Iterator[Chart]:
-    """Yield the charts of weight, tanks and air."""
-    c = boat.vessel
-    weight = float(c.g) * TONNE
-
-    def heavy(block: Block) -> Numbers:
-        return (block["weight"] - float(c.buoyancy)) / weight
-
-    yield Chart("weight", "t", (Series("heavier than at rest", heavy),))
-    capacity = dict(zip(TANKS, c.capacity.tolist(), strict=True))
-    full = dict(zip(BANKS, c.bank_full.tolist(), strict=True))
-    yield Chart(
-        "ballast",
-        "%",
-        tuple(
-            _place(_words(tank), f"water_{tank}", 0.01 * capacity[tank])
-            for tank in BLOWN
-            if capacity[tank]
-        ),
-    )
-    yield Chart("trim", "t", tuple(_tonnes(PUMPED, capacity)))
-    yield Chart("flooding", "t", tuple(_tonnes(COMPARTMENTS, capacity)))
-    yield Chart(
-        "air",
-        "%",
-        tuple(
-            _place(_words(bank), f"bank_{bank}", 0.01 * full[bank]) for bank in BANKS if full[bank]
-        ),
-    )
-
-
-def _tonnes(tanks: tuple[str, ...], capacity: dict[str, float]) -> Iterator[Series]:
-    """Yield the water in each tank or compartment that the boat has."""
-    for tank in tanks:
-        if capacity[tank]:
-            flooded = tank.replace("compartment_", "flood_")
-            place = flooded if flooded != tank else f"water_{tank}"
-            yield _place(_words(tank.removeprefix("compartment_")), place, TONNE)
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
-
-
-# Lanes: what is so from one moment to another, as words under a time line.
-
-
-SLOTS: Final = tuple(f"casualty[{i}]" for i in range(CASUALTIES))
-LEFT: Final = tuple(f"casualty_ticks[{i}]" for i in range(CASUALTIES))
-ACTING, CLEARED = "acting", "being cleared"
-BLOWS: Final = ("", "", " (emergency)")  # by the position of a blow valve
-
-
-AUTO, HAND, BROKEN, MENDING = 0x56B4E9FF, 0xE69F00FF, 0xD55E00FF, 0xCC79A7FF
 
 
 @dataclass(frozen=True)
@@ -242,16 +172,17 @@ class Lane:
 
 def lanes_of(boat: Boat) -> tuple[Lane, ...]:
     """Return the lanes of the boat; those of casualties come with `casualty_lanes`."""
-    steered = [name for name in SURFACES if boat.toward[name]]
-    lanes = [Lane("lanes/run", _run, _describe_run)]
-    lanes += [_by_hand(name) for name in (*steered, "speed")]
-    lanes.append(_several("lanes/held", tuple(f"held_{part}" for part in PARTS), PARTS))
+    lanes = [
+        Lane("lanes/run", lambda block: 2 * block.branch + block.replaying, _describe_run),
+        *(_by_hand(name) for name in (*SURFACES, "speed") if boat.toward.get(name, 1.0)),
+        _several("held", tuple(f"held_{part}" for part in PARTS), PARTS),
+    ]
     if boat.vessel.fitted:
-        lanes.append(
-            Lane("lanes/hover", lambda block: _whole(block["hover"]), ("", "on").__getitem__)
-        )
-        lanes.append(Lane("lanes/blow", _blow, _describe_blow))
-        lanes.append(_several("lanes/vents", tuple(f"vent_{name}" for name in VALVES), VALVES))
+        lanes += [
+            Lane("lanes/hover", lambda block: _whole(block["hover"]), ("", "on").__getitem__),
+            Lane("lanes/blow", _blow, _describe_blow),
+            _several("vents", tuple(f"vent_{name}" for name in VALVES), VALVES),
+        ]
     return tuple(lanes)
 
 
@@ -278,30 +209,24 @@ def _whole(column: np.ndarray) -> Whole:
     return column.astype(np.int64)
 
 
-def _run(block: Block) -> Whole:
-    return 2 * block.branch + block.replaying
-
-
 def _describe_run(code: int) -> str:
     return f"{'replay of ' if code % 2 else ''}branch {code // 2}"
 
 
 def _by_hand(what: str) -> Lane:
     """Return whether something is steered by hand."""
-    place = f"{what}_by_hand"
-    word = ("auto", "hand").__getitem__
-    colours = {"auto": AUTO, "hand": HAND}
-    return Lane(f"lanes/{what}", lambda block: _whole(block[place]), word, colours)
+    word, colours = ("auto", "hand").__getitem__, {"auto": AUTO, "hand": HAND}
+    return Lane(f"lanes/{what}", lambda b: _whole(b[f"{what}_by_hand"]), word, colours)
 
 
-def _several(path: str, places: tuple[str, ...], names: tuple[str, ...]) -> Lane:
+def _several(name: str, places: tuple[str, ...], names: tuple[str, ...]) -> Lane:
     """Return which of several things are so, each a bit of the code."""
     bits = 2 ** np.arange(len(places))
 
     def word(code: int) -> str:
         return ", ".join(name for i, name in enumerate(names) if code & 1 << i)
 
-    return Lane(path, lambda block: _whole((block.several(*places) > 0.0) @ bits), word)
+    return Lane(f"lanes/{name}", lambda b: _whole((b.several(*places) > 0.0) @ bits), word)
 
 
 def _blow(block: Block) -> Whole:

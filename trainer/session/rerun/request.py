@@ -1,31 +1,46 @@
-"""Rerun as the command line asks for it: a file, a viewer. No failure stops a run."""
+"""Rerun as the command line asks for it: a file, a viewer, a recording's file.
+
+No failure stops a run.
+"""
 
 import gc
 import os
+import socket
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from importlib.util import find_spec
+from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import click
 
+from trainer.boat.boat import Boat
+from trainer.boat.world.world import world_of
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
+from trainer.io.atomic_write import replacing
 from trainer.io.paths import HOST
+from trainer.io.recording.recording import Recording
+from trainer.session.header import layout_of, plan_of
 from trainer.session.options import RunOptions
-from trainer.session.rerun.batch import Subject
+from trainer.session.rerun.batch import Batch, Heard, Rows, Subject, Taken, batch_of
 from trainer.session.rerun.feed import Feed, Log, Sink
 from trainer.session.stations.subscriptions import Promptly, Publisher
+from trainer.session.stations.view import Pace
 from trainer.session.time.ledger import Ledger
+from trainer.session.world_orders import settle_world
 
 if TYPE_CHECKING:
-    from trainer.session.rerun.sinks import Viewer
+    from trainer.session.rerun.drawing import Drawing
 
 PORT: Final = 9876  # where Rerun's viewer listens by custom
+PROBE: Final = 0.5  # [s] that a viewer has to answer
 START: Final = 20.0  # [s] that a viewer has to open its window
 LOOK: Final = 0.1  # [s] between looks whether it has
+ROWS: Final = 4096  # [ticks] of a recording written at a time
 
 
 def open_log(
@@ -45,53 +60,95 @@ def open_log(
         click.echo(f"trainer: {told}", err=True)
         return None
 
-    from trainer.session.rerun.sinks import RrdFile, Viewer, listens  # noqa: PLC0415  rerun itself
+    from trainer.session.rerun.drawing import Drawing  # noqa: PLC0415  rerun itself
 
     gc.freeze()  # or the library's objects would be looked through again and again
     sinks: list[Sink] = []
     if path is not None:
-        refuse_unwritable(path)
-        sinks.append(RrdFile(path, subject))
+        try:
+            path.open("wb").close()
+        except OSError as error:
+            raise ConfigError(f"--rrd {path}: {error.strerror}") from None
+        sinks.append(RrdFile(path, Drawing(subject)))
     if wanted:
-        viewer = Viewer(host, port, subject)
-        if listens(host, port):
-            sinks.append(viewer)
-        elif host == HOST and has_window():
-            sinks.append(Opened(viewer, port))
+        there = listens(host, port)
+        if there or (host == HOST and has_window()):
+            sinks.append(Viewer(host, port, Drawing(subject), there=there))
         else:
             where = f"there is no Rerun viewer at {host}:{port}"
             click.echo(f"trainer: {where}; start one: rerun --bind {host} --port {port}", err=True)
     return Log(sending, ledger, [Feed(sink, subject.step) for sink in sinks])
 
 
-class Opened:
-    """A viewer that is opened first, for this machine alone. It stays when the run is over."""
+class RrdFile:
+    """A file for the viewer. Few large pieces, since each has a head of its own."""
 
-    def __init__(self, viewer: "Viewer", port: int) -> None:
-        """Take the viewer to come, and where it is to listen."""
-        self.name, self.period, self.patience = viewer.name, viewer.period, viewer.patience
-        self.needed = viewer.needed
-        self.write, self.close = viewer.write, viewer.close
-        self._viewer, self._port = viewer, port
+    period = 20.0
+    patience = 30.0
+    needed = True
+
+    def __init__(self, path: Path, drawing: "Drawing") -> None:
+        """Take the file's name; it is replaced when opened."""
+        self.name = str(path)
+        self.write, self.close = drawing.write, drawing.close
+        self._path, self._drawing = path, drawing
 
     def open(self) -> None:
-        """Open its window, wait until it listens, and send all that is constant."""
-        from trainer.session.rerun.sinks import listens  # noqa: PLC0415  rerun itself
+        """Begin the file with what is the same at all times."""
+        self._drawing.save(self._path)
 
-        words = ["--bind", HOST, "--port", str(self._port), "--expect-data-soon"]
-        process = subprocess.Popen(  # noqa: S603  the viewer that comes with the library
-            [sys.executable, "-m", "rerun_cli", *words],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        until = time.monotonic() + START
-        while not listens(HOST, self._port):
-            if process.poll() is not None or time.monotonic() > until:
-                raise OSError("the viewer has not opened; does `rerun` alone open it?")
-            time.sleep(LOOK)
-        self._viewer.open()
+
+class Viewer:
+    """A viewer that listens already, or is opened first. It stays when the run is over."""
+
+    period = 1.0
+    patience = 2.0
+    needed = False
+
+    def __init__(self, host: str, port: int, drawing: "Drawing", *, there: bool) -> None:
+        """Take where it listens, and whether it is there already."""
+        self.name = f"viewer at {host}:{port}"
+        self.close = drawing.close
+        self._host, self._port, self._drawing, self._there = host, port, drawing, there
+
+    def open(self) -> None:
+        """Send what is the same at all times, to one whose window is opened if need be."""
+        if not self._there:
+            open_window(self._port)
+        self._drawing.connect(self._host, self._port)
+
+    def write(self, batch: Batch) -> None:
+        """Send a batch; ConnectionError if the viewer has gone."""
+        try:
+            self._drawing.write(batch)
+        except RuntimeError:
+            raise ConnectionError("it has gone") from None
+
+
+def open_window(port: int) -> None:
+    """Open a viewer for this machine alone; OSError if it does not listen in time."""
+    words = ["--bind", HOST, "--port", str(port), "--expect-data-soon"]
+    process = subprocess.Popen(  # noqa: S603  the viewer that comes with the library
+        [sys.executable, "-m", "rerun_cli", *words],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    until = time.monotonic() + START
+    while not listens(HOST, port):
+        if process.poll() is not None or time.monotonic() > until:
+            raise OSError("the viewer has not opened; does `rerun` alone open it?")
+        time.sleep(LOOK)
+
+
+def listens(host: str, port: int) -> bool:
+    """Return whether something listens there: without it the library waits for ever."""
+    try:
+        socket.create_connection((host, port), PROBE).close()
+    except OSError:
+        return False
+    return True
 
 
 def parse_place(text: str) -> tuple[str, int]:
@@ -104,16 +161,56 @@ def parse_place(text: str) -> tuple[str, int]:
     return host.strip("[]") or HOST, int(port)
 
 
-def refuse_unwritable(path: Path) -> None:
-    """Raise ConfigError if the file cannot be written; it is emptied."""
-    try:
-        path.open("wb").close()
-    except OSError as error:
-        raise ConfigError(f"--rrd {path}: {error.strerror}") from None
-
-
 def has_window() -> bool:
     """Return whether there is a screen to open a window on."""
     if sys.platform in ("win32", "darwin"):
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def write_record(recording: Recording, path: Path, branch: int) -> None:
+    """Write a branch and the past that led to it, with what happened then. A file is replaced.
+
+    ConfigError or RecordingError if it cannot be read, OSError if the file cannot be written.
+    """
+    from trainer.session.rerun.drawing import Drawing  # noqa: PLC0415  rerun itself
+
+    header = recording.header()
+    plan = plan_of(header)
+    boat = Boat(plan.file, plan.method)
+    boat.world = world_of(boat, plan.around)
+    settle_world(boat, recording, branch, sys.maxsize)
+    subject = Subject.of(plan, boat)
+    parts = batches(recording, branch, layout_of(header), subject.step)
+    first = next(parts)  # nothing is replaced where there is nothing to write
+    with replacing(path) as made:
+        drawing = Drawing(subject)
+        drawing.save(made)
+        try:
+            for batch in chain((first,), parts):
+                drawing.write(batch)
+        finally:
+            drawing.close()
+
+
+def batches(
+    recording: Recording, branch: int, layout: tuple[str, ...], step: float
+) -> Iterator[Batch]:
+    """Yield the ticks that led to the end of a branch. The last of them has the events."""
+    flown = recording.flown(branch)
+    ends: dict[int, int] = {}
+    while part := list(islice(flown, ROWS)):
+        ends |= {each.branch: each.tick for each in part}
+        pictures, timed = Rows(), Rows()
+        for each in part:
+            times = each.lateness or 0, each.work or 0
+            taken = Taken(each.tick, each.state, Pace(branch=each.branch), 0, *times)
+            pictures.add(taken, each.tick, each.tick * step)
+            if each.work is not None:
+                timed.add(taken, each.tick, each.tick * step)
+        yield batch_of(pictures, timed, Rows(), layout)
+    told = Rows()
+    for event in recording.first_events():
+        if event.tick <= ends.get(event.branch, -2) + 1:
+            told.add(Heard(event.tick, event.kind, event.text), event.tick, event.tick * step)
+    yield batch_of(Rows(), Rows(), told, layout)

@@ -229,3 +229,56 @@ def _tube(rings: int, around: int) -> NDArray[np.uint32]:
     one = np.stack((here, here + around, beside), axis=-1)
     other = np.stack((beside, here + around, beside + around), axis=-1)
     return np.concatenate((one.reshape(-1, 3), other.reshape(-1, 3))).astype(np.uint32)
+
+
+# What surrounds the boat, and turns.
+
+
+def square(reach: float) -> Mesh:
+    """Return a level square about the origin, so far [m] to each side."""
+    corners = [(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)]
+    points = (reach * np.array(corners)).astype(np.float32)
+    return Mesh(points, np.array([(0, 1, 2), (0, 2, 3)], np.uint32))
+
+
+def level_triangles(count: int) -> NDArray[np.uint32]:
+    """Return the triangles of a square lattice, by its points to a side."""
+    corner = np.arange(count * (count - 1), dtype=np.uint32).reshape(-1, count)[:, :-1].ravel()
+    north, east = corner + count, corner + 1
+    pairs = ((corner, east, north), (east, north + 1, north))
+    return np.concatenate([np.stack(each, axis=1) for each in pairs]).astype(np.uint32)
+
+
+def outline(reach: float, depth: float) -> Numbers:
+    """Return the outline of a level square at a depth [m]."""
+    sides = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) * reach
+    return np.column_stack((sides, np.full(len(sides), depth)))
+
+
+def grid(reach: float, step: float) -> NDArray[np.float32]:
+    """Return the lines of a level grid about the origin."""
+    offsets = np.arange(-reach, reach + 0.5 * step, step)
+    along = np.zeros((offsets.size, 2, 3), np.float32)
+    along[:, :, 0], along[:, :, 1] = (-reach, reach), offsets[:, None]
+    return np.concatenate((along, along[:, :, [1, 0, 2]]))
+
+
+def quaternions(phi: Numbers, theta: Numbers, psi: Numbers) -> Numbers:
+    """Return the attitude as quaternions x, y, z, w: heading, then pitch, then heel [rad]."""
+    c_r, s_r = np.cos(0.5 * phi), np.sin(0.5 * phi)
+    c_p, s_p = np.cos(0.5 * theta), np.sin(0.5 * theta)
+    c_y, s_y = np.cos(0.5 * psi), np.sin(0.5 * psi)
+    return np.stack(
+        (
+            s_r * c_p * c_y - c_r * s_p * s_y,
+            c_r * s_p * c_y + s_r * c_p * s_y,
+            c_r * c_p * s_y - s_r * s_p * c_y,
+            c_r * c_p * c_y + s_r * s_p * s_y,
+        ),
+        axis=1,
+    )
+
+
+def half_turned(axis: tuple[float, float, float], angle: Numbers) -> Numbers:
+    """Return turns [rad] about a unit axis as quaternions x, y, z, w."""
+    return np.column_stack((np.outer(np.sin(0.5 * angle), axis), np.cos(0.5 * angle)))

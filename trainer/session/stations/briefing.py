@@ -6,7 +6,7 @@ file's name, and of what loses the exercise only what its own gauges show.
 
 import math
 import textwrap
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Final
 
@@ -60,20 +60,18 @@ class Briefing:
             yield from (("line", line) for line in self.text)
         if instructs:
             yield from (("line", line) for line in self.instructor)
-        limits = [f"{name}:{value:g}" for name, value in self.set_limits()]
+        every = ((item.name, getattr(self.limits, item.name)) for item in fields(self.limits))
+        limits = [f"{name}:{value:g}" for name, value in every if value is not None]
         yield from (("limits", ",".join(limits)) for _ in limits[:1])
-        yield from (("lost", each.text) for each in self.lost if instructs or is_open(each))
+        for loss in self.lost:  # the crew may know what its gauges show
+            if instructs or OPEN.issuperset(each.quantity for each in loss.conditions):
+                yield "lost", loss.text
         yield from (("wins", each) for each in (self.tasks if instructs else (WINS,)))
         if self.visitors:
             yield "visitors", "yes"
         if self.duration is not None:
             yield "duration", f"{self.duration:g}"
             yield "left", f"{max(self.duration - seconds, 0.0):g}"
-
-    def set_limits(self) -> list[tuple[str, float]]:
-        """Return the limits that there are, by name."""
-        every = ((item.name, getattr(self.limits, item.name)) for item in fields(self.limits))
-        return [(name, value) for name, value in every if value is not None]
 
 
 SIDES: Final = {"max": "at most", "min": "at least"}
@@ -144,11 +142,6 @@ def may_order(role: Role, words: str) -> bool:
     return isinstance(order, Order) and refusal(role, order) is None
 
 
-def is_open(loss: Loss) -> bool:
-    """Return whether what loses the exercise may be known to the crew."""
-    return all(condition.quantity in OPEN for condition in loss.conditions)
-
-
 RANGES: Final = {  # keys of the fact `range`
     "length": "of the hull [m]",
     "mass": "of the boat with the water in it [t]",
@@ -193,10 +186,10 @@ def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
         yield "trim-arm", f"{float(c.x[fore] - c.x[aft]):g}"
 
 
-def range_table() -> str:
-    """Return the Markdown table of the ranges, as docs/stations.md shows it."""
-    rows = [f"| `{key}` | {says} |" for key, says in RANGES.items()]
-    return "\n".join(["| range | is |", "|---|---|", *rows]) + "\n"
+def key_table(fact: str, keys: Mapping[str, str]) -> str:
+    """Return the Markdown table of a fact's keys, as docs/stations.md shows it."""
+    rows = [f"| `{key}` | {says} |" for key, says in keys.items()]
+    return "\n".join([f"| {fact} | is |", "|---|---|", *rows]) + "\n"
 
 
 EXERCISE: Final = {  # keys of the fact `exercise`
@@ -214,9 +207,3 @@ EXERCISE: Final = {  # keys of the fact `exercise`
     "duration": "its length [s]",
     "left": "what is left of it [s], at the time of the fact",
 }
-
-
-def exercise_table() -> str:
-    """Return the Markdown table of what is told of an exercise, as docs/stations.md shows it."""
-    rows = [f"| `{key}` | {says} |" for key, says in EXERCISE.items()]
-    return "\n".join(["| exercise | is |", "|---|---|", *rows]) + "\n"

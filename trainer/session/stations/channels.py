@@ -42,11 +42,6 @@ def clearance(frame: Frame) -> Value:
     return None if math.isinf(found) else found
 
 
-def water_over_sail(frame: Frame) -> Value:
-    """Return the water [m] over the sail's top. It is negative out of the sea."""
-    return -frame.height(*frame.fittings.sail)
-
-
 SLOWEST: Final = 0.005  # [kn] that is not written as zero
 
 
@@ -155,7 +150,7 @@ INSTRUCTOR: Final = (
             *sea_fields("sea_target", "ordered_"),
             metres("ramp", "sea_ramp", "s"),
             metres("elevation", "eta_wave", decimals=2),
-            Field("over_sail", "m", 1, water_over_sail),
+            Field("over_sail", "m", 1, lambda frame: -frame.height(*frame.fittings.sail)),
         ),
     ),
     Channel(

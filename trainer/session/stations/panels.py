@@ -15,6 +15,8 @@ from trainer.boat.crew_orders import AXES
 from trainer.boat.sea_orders import PARTS
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
 from trainer.core.state import VALVES
+from trainer.core.surfaces import SURFACES
+from trainer.io.nmea import number
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
@@ -34,11 +36,9 @@ class Field:
     def text(self, frame: Frame) -> str:
         """Return the value with its decimals, "" for none."""
         value = self.read(frame)
-        if value is None:
-            return ""
         if isinstance(value, str):
             return value
-        return f"{round(value, self.decimals) + 0.0:.{self.decimals}f}"
+        return number(value, self.decimals)
 
 
 @dataclass(frozen=True)
@@ -92,12 +92,11 @@ HEEL: Final = degrees("heel", "phi")
 
 ROUND: Final = math.radians(350.0)  # still to go: nearly round, the other way than was ordered
 POSITIONS: Final = ("shut", "open", "emergency")  # of a valve's lever
-LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
 
 
 def surface_fields(surface: str) -> tuple[Field, ...]:
     """Return the angle of a surface, its order, and who orders it."""
-    letter = LETTERS[surface]
+    letter = SURFACES[surface]
 
     def angle(place: str, frame: Frame) -> float | None:
         toward = frame.boat.toward[surface]
@@ -193,13 +192,10 @@ def bank_fields(place: int, bank: str) -> tuple[Field, ...]:
 def valve_fields(valve: str) -> tuple[Field, ...]:
     """Return how the levers of a vent and a blow valve stand."""
 
-    def vent(frame: Frame) -> Value:
-        return POSITIONS[int(frame[f"vent_{valve}"])]
+    def position(name: str) -> Field:
+        return word(name, lambda frame: POSITIONS[int(frame[name])])
 
-    def blow(frame: Frame) -> Value:
-        return POSITIONS[int(frame[f"blow_{valve}"])]
-
-    return word(f"vent_{valve}", vent), word(f"blow_{valve}", blow)
+    return position(f"vent_{valve}"), position(f"blow_{valve}")
 
 
 def on(name: str) -> Field:
@@ -225,16 +221,6 @@ def draining(frame: Frame) -> Value:
     """Return the compartment that is pumped out."""
     place = int(frame["drained"])
     return COMPARTMENTS[place - 1].removeprefix("compartment_") if place else None
-
-
-def parts_held_still(frame: Frame) -> Value:
-    """Return the parts that stand still while time goes on."""
-    return "+".join(part for part in PARTS if frame[f"held_{part}"]) or None
-
-
-def speed_of_time(frame: Frame) -> Value:
-    """Return how many times faster than the clock time runs."""
-    return "max" if math.isinf(frame.pace.speed) else frame.pace.speed
 
 
 def crew_order(axis: str, read: Callable[[Frame], float]) -> Callable[[Frame], Value]:
@@ -393,8 +379,13 @@ CHANNELS: Final = (
         "how time runs",
         (
             word("time", lambda frame: "frozen" if frame.pace.frozen else "running"),
-            Field("speed", "x", 1, speed_of_time),
-            word("held", parts_held_still),
+            Field(
+                "speed",
+                "x",
+                1,
+                lambda frame: "max" if math.isinf(frame.pace.speed) else frame.pace.speed,
+            ),
+            word("held", lambda f: "+".join(p for p in PARTS if f[f"held_{p}"]) or None),
             Field("branch", "-", 0, lambda frame: float(frame.pace.branch)),
             word("replay", lambda frame: "yes" if frame.pace.replaying else "no"),
         ),

@@ -7,12 +7,13 @@ moments that are kept in memory. A row is made as the live ones are: gauges show
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import Boat
 from trainer.io.orders.grammar import Refused
-from trainer.io.recording.recording import Noted, Recording, RecordingError
+from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import Work
 from trainer.session.history import History
@@ -70,14 +71,15 @@ class PastReader:
                 station.tell(each)
             self._mark(station, "end", channel, history)
             return
-        station.answer(asked, f"{channel}: what it has shown since {self._seconds(span):g} s")
+        since = span.first * self._boat.method.step
+        station.answer(asked, f"{channel}: what it has shown since {since:g} s")
         self._begin(asked, span, history, kept)
 
     def _begin(self, asked: Asked, span: Span, history: History, kept: Path | None) -> None:
         """Send rows from a thread; the live ones of that channel wait until they are sent."""
         channel, station = asked.order.subject, asked.station
         wish = station.wishes.pause(channel)
-        memory = [] if kept else history.automatic_since(span.first)
+        memory = [] if kept else history.automatic.since(span.first)
         self._mark(station, "begin", channel, history)
 
         def end() -> None:
@@ -118,9 +120,6 @@ class PastReader:
         fact = Fact("past", f"{which},{channel}")
         station.note(News(history.tick, history.boat.time, "moment", "", fact))
 
-    def _seconds(self, span: Span) -> float:
-        return span.first * self._boat.method.step
-
 
 def refusal(channel: str, role: Role) -> str:
     """Return why a channel's past is not for a role, "" when it is."""
@@ -134,17 +133,11 @@ def refusal(channel: str, role: Role) -> str:
 def read_states(kept: Path, span: Span) -> list[Found]:
     """Return the states of a span that a recording holds. None where it cannot be read."""
     found = []
-    try:
-        recording = Recording.look(kept)
-        try:
-            for tick in span.ticks:
-                state = recording.state_at(span.branch, tick)
-                if state is not None:
-                    found.append((tick, state))
-        finally:
-            recording.close()
-    except RecordingError:
-        return found
+    with suppress(RecordingError), closing(Recording.look(kept)) as recording:
+        for tick in span.ticks:
+            state = recording.state_at(span.branch, tick)
+            if state is not None:
+                found.append((tick, state))
     return found
 
 
@@ -152,7 +145,10 @@ def recalled(history: History) -> list[News]:
     """Return the past in a resumed recording, with the time line's contents."""
     step = history.boat.method.step
     told = [
-        News(each.tick, each.tick * step, each.kind, each.text, fact_of(each))
+        News(
+            *(each.tick, each.tick * step, each.kind, each.text),
+            Fact("mark", each.text) if each.kind == "mark" else None,
+        )
         for each in history.noted()
     ]
     orders = history.recording.orders(history.recording.branch)
@@ -162,11 +158,6 @@ def recalled(history: History) -> list[News]:
         if each.text.startswith("casualty ") and each.accepted
     ]
     return sorted(told, key=lambda each: each.tick)
-
-
-def fact_of(noted: Noted) -> Fact | None:
-    """Return what programs are told of an event that was noted."""
-    return Fact("mark", noted.text) if noted.kind == "mark" else None
 
 
 def lately(news: Iterable[News], role: Role, span: Span) -> list[News]:

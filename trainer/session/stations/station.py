@@ -130,7 +130,7 @@ class Station:
         self.waiting = False  # there may be more to take
         self.held_up = 0.0  # [s] until more is taken, 0 where nothing waits
         self._door = access
-        self._settled = access.role is not None  # the role is not to be changed
+        self.settled = access.role is not None  # it is known for good what the line is
         self._log = log
         self._clock = clock
         self._refilled = clock()
@@ -158,11 +158,6 @@ class Station:
     def late(self) -> float:
         """Return the time [s] to the answer that is kept back, infinity without one."""
         return max(self._late.due - self._clock(), 0.0) if self._late else math.inf
-
-    @property
-    def settled(self) -> bool:
-        """Return whether it is known for good what the line is."""
-        return self._settled
 
     @property
     def who(self) -> str:
@@ -263,9 +258,11 @@ class Station:
             return []
         duties: dict[str, Callable[[Heard, Order], None]] = {
             "role": self._take_role,
-            "help": self._help,
+            "help": lambda heard, order: self._answer(heard, "", *help_text(order.word)),
             "subscribe": self._subscribe,
-            "unsubscribe": self._unsubscribe,
+            "unsubscribe": lambda heard, order: self._answer(
+                heard, self.wishes.cancel(order.subject)
+            ),
             "detach": self._detach,
             "name": self._be_called,
         }
@@ -299,7 +296,7 @@ class Station:
 
     def _log_refusal(self, text: str) -> None:
         """Log what was refused. The session sums up what all do who have not said who they are."""
-        log = self._noise.log if self._settled else self._quiet_log
+        log = self._noise.log if self.settled else self._quiet_log
         log("refused", f"{self.who}: {text}")
 
     def _answer(self, heard: Heard, reply: Reply, *lines: str) -> None:
@@ -316,9 +313,6 @@ class Station:
         if text:
             self.line.send(text if accepted else f"? {text}")
 
-    def _help(self, heard: Heard, order: Order) -> None:
-        self._answer(heard, "", *help_text(order.word))
-
     def _be_called(self, heard: Heard, order: Order) -> None:
         """Let the line have a name of its own in the list of stations."""
         self.called = order.subject
@@ -333,13 +327,13 @@ class Station:
 
     def _take_role(self, heard: Heard, order: Order) -> None:
         """Let the line be what it says it is, once, if it has the token."""
-        if self._settled:
+        if self.settled:
             self._refuse(heard, order, f"you {self.role.part}: a line keeps its role")
             return
         if not self._door.admits(order.word, order.subject):
             self._refuse_token(heard, order)
             return
-        self.role, self._settled = ROLES[order.word], True
+        self.role, self.settled = ROLES[order.word], True
         self._door.entered()
         self._log("station", f"{self.line.name} now {self.role.of_another}")
         self._answer(heard, f"you {self.role.part}", *powers(self.role))
@@ -388,9 +382,6 @@ class Station:
         often = f"at most {rate:g} a second" if rate else "every tick"
         self._answer(heard, f"{channel}: {'as they happen' if channel == EVENTS else often}")
         self.wishes.begin(channel, rate, self.role, machine=heard.machine)
-
-    def _unsubscribe(self, heard: Heard, order: Order) -> None:
-        self._answer(heard, self.wishes.cancel(order.subject))
 
 
 def powers(role: Role) -> list[str]:
