@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.sessions import session_over
 
 from trainer.analysis.recording_export import export_file
 from trainer.boat.boat import Boat
@@ -42,7 +43,6 @@ from trainer.debrief.page import (
 )
 from trainer.debrief.sections import pressed_together
 from trainer.io.recording.recording import Journalled, Recording
-from trainer.io.tables import NoFile
 from trainer.report import html
 from trainer.report.html import HERE, print_pdf
 from trainer.report.svg import Ground, clock, step_of, thin, ticks
@@ -50,7 +50,6 @@ from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
-from trainer.session.session import Session
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
@@ -114,17 +113,15 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
     recording = Recording.create(path, header_of(chosen, texts, boat), boat.records.state.tobytes())
     time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
     sending = Promptly(Roster(StateReader(boat, time.ledger.summary)))
-    session = Session(
+    session = session_over(
         boat,
         time,
         History(boat, recording),
-        NoFile(),
-        (),
         sending,
         schedule=plan.schedule,
         monitor=LimitMonitor.over(boat, plan.limits),
-        last_tick=round((plan.duration or 0.0) / plan.method.step),
     )
+    session.last_tick = round((plan.duration or 0.0) / plan.method.step)
     panels = []
     for role, lines in crews.items():
         timed = [line.split(maxsplit=1) for line in lines.strip().splitlines()]
@@ -150,7 +147,9 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
     assert session.control.failure == "" or not crews
     debrief = gather(recording, path or Path("memory.trainer"), None)
     recording.close()
-    return Voyage(debrief, session.monitor, [line for panel in panels for line in panel.heard])
+    return Voyage(
+        debrief, session.monitors.limits, [line for panel in panels for line in panel.heard]
+    )
 
 
 # Numbers computed anew from the exported tables

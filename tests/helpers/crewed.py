@@ -9,6 +9,7 @@ from typing import Final
 
 import pytest
 
+from helpers.sessions import session_over
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import arm
@@ -23,10 +24,8 @@ from trainer.io.lines import Overlong
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.sentences import order_sentence, read
 from trainer.io.recording.recording import Recording
-from trainer.io.tables import NoFile
 from trainer.session.exercise import Debriefing, Ending, Judgement
 from trainer.session.history import History
-from trainer.session.session import Session
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
@@ -89,13 +88,13 @@ class Crewed:
         history = History(self.boat, self.recording)
         for each in armed:
             arm(self.boat, each.condition, each.casualty, each.rule)
-        self.session = Session(
-            *(self.boat, time, history, NoFile(), (), self.sending),
+        self.session = session_over(
+            *(self.boat, time, history, self.sending),
             schedule=schedule,
             armed=armed,
             monitor=LimitMonitor.over(self.boat, Limits()),
             wake=self.wake,
-            hand=hand,
+            by_hand={"hand": hand},
         )
         self.conduct = self.session.conduct
         losses = [
@@ -132,13 +131,13 @@ class Crewed:
 
     def leaves(self, line: Typist) -> None:
         line.ended = True
-        self.session.listen()
+        self.session.attendance.listen()
 
     def say(self, line: Typist, words: str) -> tuple[str, str]:
         """Give an order as a program; return ok or no, and the answer."""
         line.typed = [order_sentence(words, "7")]
         before = len(line.sent)
-        self.session.listen()
+        self.session.attendance.listen()
         told = [read(each) for each in line.sent[before:]]
         answers = [each.fields for each in told if each and each.tag == "7"]
         self.said = [text for kind, text in answers if kind == "say"]
@@ -160,12 +159,12 @@ class Crewed:
         self.session.time.pacer.run()
         for _ in range(ticks):
             if not self.session.time.frozen:
-                self.session._tick()  # noqa: SLF001  as the loop does
+                self.session.tick()
 
     def settle(self, true: Callable[[], object]) -> None:
         """Let what is done beside the session be taken."""
         for _ in range(1000):
-            self.session.listen()
+            self.session.attendance.listen()
             if true():
                 return
             self.wake.wait(0.01)

@@ -393,7 +393,7 @@ def test_a_disk_that_is_behind_is_told_once_and_its_end_too_though_time_is_froze
         """Return what was told of trouble; the session listens if it is woken, as its loop does."""
         if ship.wake.wait(0.01):
             ship.wake.clear()
-            ship.session.listen()
+            ship.session.attendance.listen()
         return ship.events(ship.instructor, "trouble")
 
     with contextlib.closing(ship.recording):

@@ -146,7 +146,7 @@ def test_a_replay_gives_what_came_and_waits_for_the_rest(crewed: Begin) -> None:
     ship.order("replay 8 s")
     assert "replay is running" in ship.refused("in 5 depth 80")
     for _ in range(40):
-        if ship.session.history.rerun:
+        if ship.session.history.flown.replaying:
             ship.fly(1)
     assert ship.boat.records.state.tobytes() == state
     assert "the same to the last bit" in ship.events(ship.instructor, "moment")[-1]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.sessions import session_over
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -24,7 +25,6 @@ from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.replay import bring_up, replay_anyway
-from trainer.session.session import Session
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
@@ -143,8 +143,9 @@ class Ship:
         self.history = History(self.boat, unrecorded or self.recording)
         self.bridge = Bridge()
         time = Timekeeping.at(MonotonicClock(), STEP, math.inf, Policy.CATCH_UP)
-        self.session = Session(
-            *(self.boat, time, self.history, NoFile(), COLUMNS, self.bridge),
+        self.session = session_over(
+            *(self.boat, time, self.history, self.bridge),
+            rows=(NoFile(), COLUMNS),
             schedule=self.plan.schedule,
             wake=self.bridge.wake,
         )
@@ -349,7 +350,7 @@ def reset(ship: Ship) -> Lines:
 def replay_to_its_end(ship: Ship) -> Lines:
     yield from onward(ship, 90)
     yield "replay 23 s"  # from tick 44, where orders were given
-    yield from wait(lambda: not ship.history.rerun)
+    yield from wait(lambda: not ship.history.flown.replaying)
     assert (ship.tick, ship.frozen) == (90, True)
 
 
@@ -358,7 +359,7 @@ def replay_over_a_branch_point(ship: Ship) -> Lines:
     yield from onward(ship, 60)
     yield "replay 1 min"
     assert "replay from 0 s to 30 s" in ship.bridge.heard[-1]
-    yield from wait(lambda: not ship.history.rerun)
+    yield from wait(lambda: not ship.history.flown.replaying)
     assert ship.tick == 60
 
 
@@ -387,7 +388,7 @@ def replay_anew_in_a_replay(ship: Ship) -> Lines:
     yield "replay 20 s"
     yield from wait(lambda: ship.tick > 70)
     yield "replay 30 s"
-    yield from wait(lambda: not ship.history.rerun)
+    yield from wait(lambda: not ship.history.flown.replaying)
     assert ship.tick == 90
 
 
@@ -525,7 +526,7 @@ def test_a_replay_over_orders_given_in_a_freeze_is_the_same_to_the_bit(ship: Shi
     def typed() -> Lines:
         yield from ("step 20", "rudder left 7", "snapshot here", "step 5", "restore here")
         yield from ("step 5", "replay 10 s")
-        yield from wait(lambda: not ship.history.rerun)
+        yield from wait(lambda: not ship.history.flown.replaying)
 
     ship.sail(typed())
 
@@ -537,7 +538,7 @@ def test_nothing_is_ordered_in_a_replay_and_no_tick_of_it_is_kept_twice(ship: Sh
         yield from onward(ship, 60)
         yield from ("backtrack 10 s", "step 20", "replay 20 s", "rudder right 5")
         assert "a replay is running: take over first" in ship.bridge.heard[-1]
-        yield from wait(lambda: not ship.history.rerun)
+        yield from wait(lambda: not ship.history.flown.replaying)
 
     ship.sail(typed())
 
@@ -608,7 +609,7 @@ class Witness:
         """Yield the lines, and check after each what it has done."""
         for line in lines:
             tick, state, said = self.ship.tick, self.ship.state, len(self.ship.bridge.heard)
-            replaying = self.ship.history.rerun is not None
+            replaying = self.ship.history.flown.replaying
             if line == "take over" and replaying:
                 self.past, self.left = self.upto(tick) | {tick: state}, b""
                 self.mixed.add(tick)
@@ -619,7 +620,7 @@ class Witness:
 
     def replayed(self) -> None:
         """Check that a replay shows what has been, and arrives where it was begun."""
-        if self.ship.history.rerun is None and self.left:
+        if not self.ship.history.flown.replaying and self.left:
             assert self.ship.state == self.left
             assert self.ship.frozen
             self.left = b""
@@ -663,7 +664,7 @@ def test_whatever_an_instructor_does_is_recorded_so_that_it_can_be_flown_again(
         assert not [line for line in ship.bridge.heard if "left its recording" in line]
         places = [each.place for each in ship.recording.orders(ship.recording.branch)]
         assert sorted(set(places) - {None}) == [each for each in places if each is not None]  # type: ignore[type-var]
-        end = ship.state if ship.history.rerun is None else ship.history.rerun.end.state
+        end = ship.history.flown.end().state if ship.history.flown.replaying else ship.state
         boat = ship.new_boat()
         header = ship.recording.header()
         history = bring_up(ship.recording, ship.plan, boat, layout_of(header))

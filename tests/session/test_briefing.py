@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from helpers.line import Line
 from helpers.places import ROOT
+from helpers.sessions import session_over
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
@@ -16,12 +17,11 @@ from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.table import TOPICS
 from trainer.io.recording.absence import NoRecording
-from trainer.io.tables import NoFile
+from trainer.session.attendance import Introduction
 from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import briefing_of, situation
-from trainer.session.session import Session
 from trainer.session.stations.briefing import (
     EXERCISE,
     RANGES,
@@ -51,16 +51,19 @@ class Attended:
         told = briefing_of(plan, options)
         time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
         sending = Promptly(Roster(StateReader(self.boat, time.ledger.summary)))
-        self.session = Session(
-            *(self.boat, time, History(self.boat, NoRecording()), NoFile(), (), sending),
+        here = situation(plan, self.boat, "")
+        self.session = session_over(
+            *(self.boat, time, History(self.boat, NoRecording()), sending),
             schedule=plan.schedule,
             monitor=LimitMonitor.over(self.boat, plan.limits),
-            briefing=(*told.heading(INSTRUCTOR), *situation(plan, self.boat, "")),
-            crew_briefing=(*told.heading(STRANGER), *situation(plan, self.boat, "")),
-            exercise=told,
-            hand=frozenset(plan.hand),
-            hand_from=plan.hand_from,
-            allowed=frozenset(plan.allowed),
+            introduction=Introduction(
+                (*told.heading(INSTRUCTOR), *here), (*told.heading(STRANGER), *here), told
+            ),
+            by_hand={
+                "hand": frozenset(plan.hand),
+                "hand_from": plan.hand_from,
+                "allowed": frozenset(plan.allowed),
+            },
         )
         self.lines = {role: Line("line") for role in roles}
         for line in self.lines.values():
@@ -71,13 +74,13 @@ class Attended:
         """Have every line ask the same."""
         for line in self.lines.values():
             line.waiting += [sentences.order_sentence(each) for each in words]
-        self.session.listen()
+        self.session.attendance.listen()
 
     def enter(self) -> None:
         """Have every line say what it is."""
         for role, line in self.lines.items():
             line.waiting.append(sentences.order_sentence(f"role {role}"))
-        self.session.listen()
+        self.session.attendance.listen()
 
     def facts(self, role: str, what: str) -> list[tuple[str, str]]:
         """Return the keys and values of a kind of fact that a line was told."""
@@ -95,7 +98,7 @@ class Attended:
         line = self.lines[role]
         before = len(line.sent)
         line.waiting.append(sentences.order_sentence(words))
-        self.session.listen()
+        self.session.attendance.listen()
         found = [sentences.read(each) for each in line.sent[before:]]
         return next(each.fields[1] for each in found if each and each.kind == "TRA")
 
@@ -132,7 +135,7 @@ def test_no_line_of_a_crew_holds_a_hidden_word(name: str) -> None:
     with np.errstate(all="ignore"):
         for _ in range(round((here.plan.duration or 600.0) / LOOK_EVERY)):
             for _ in range(round(LOOK_EVERY / here.plan.method.step)):
-                here.session._tick()  # noqa: SLF001  the loop's own step
+                here.session.tick()
             here.ask("briefing", "status", "log 100", "who", "aye", "report well", "mark")
             here.ask("history events", "branches", "casualties", "next", "snapshots")
     words = secrets(here.plan, name)
@@ -177,7 +180,7 @@ def test_a_reader_is_briefed_in_words_of_79_columns() -> None:
     here.lines["planes"].waiting.append("briefing")
     here.lines["planes"].sent.clear()
 
-    here.session.listen()
+    here.session.attendance.listen()
 
     said = [line for line in here.lines["planes"].sent if not line.startswith("$")]
     assert "by hand: planes, speed" in said
@@ -192,7 +195,7 @@ def test_a_briefing_tells_the_facts_of_now() -> None:
     here = attended("stern-plane-jam", "planes")
     here.enter()
     for _ in range(40):
-        here.session._tick()  # noqa: SLF001  the loop's own step
+        here.session.tick()
     here.lines["planes"].sent.clear()
 
     here.ask("briefing")
@@ -211,7 +214,7 @@ def test_the_crew_takes_its_axes_in_hand_when_their_time_comes() -> None:
 
     with np.errstate(all="ignore"):
         for _ in range(round(begins / here.plan.method.step) + 1):
-            here.session._tick()  # noqa: SLF001  the loop's own step
+            here.session.tick()
 
     taken = dict(here.facts("pilot", "exercise"))["hand"]
     assert set(taken.split(",")) == set(here.plan.hand)
@@ -311,10 +314,10 @@ def test_whoever_comes_is_offered_orders_that_he_may_give(role: str, hand: tuple
 def test_who_has_no_place_yet_is_told_how_to_take_one() -> None:
     boat = attended("crossing-traffic", "scope")
     (line,) = boat.lines.values()
-    boat.session.greet(boat.session.event_log.stations[0])
+    boat.session.attendance.greet(boat.session.event_log.stations[0])
     assert "`role helm` to take a station" in line.sent[-1]
     assert "depth" not in line.sent[-1]
     boat.enter()
-    boat.session.greet(boat.session.event_log.stations[0])
+    boat.session.attendance.greet(boat.session.event_log.stations[0])
     assert "scope raise" in line.sent[-1]
     assert "rudder" not in line.sent[-1]

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.sessions import session_over
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -20,11 +21,9 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io.orders.sentences import order_sentence
 from trainer.io.recording.recording import Recording
-from trainer.io.tables import NoFile
 from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
-from trainer.session.session import Session
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
@@ -92,7 +91,7 @@ class Watch:
         time = Timekeeping.at(MonotonicClock(), STEP, math.inf, Policy.CATCH_UP)
         sending = Promptly(Roster(StateReader(self.boat, time.ledger.summary)))
         history = History(self.boat, self.recording)
-        self.session = Session(self.boat, time, history, NoFile(), (), sending)
+        self.session = session_over(self.boat, time, history, sending)
         control, wake = self.session.control, self.session.wake
         self.instructor, self.helm = (
             Typist(iter(()), wake, lambda: control.steps > 0) for _ in range(2)
@@ -140,7 +139,7 @@ def test_depths_passed_are_told_to_the_instructor_the_crew_and_the_log(watch: Wa
     told = [line.partition(": ")[2] for line in watch.events()]
     assert [*told[:2], told[2][: len(CALLS[2])]] == CALLS
     assert all(line.startswith("tick ") for line in watch.events())
-    assert watch.session.depths.times.keys() == {"test depth passed"}
+    assert watch.session.monitors.depths.times.keys() == {"test depth passed"}
 
 
 def test_programs_are_told_the_depth_passed_and_the_collapse_in_fields(watch: Watch) -> None:
@@ -176,7 +175,7 @@ def test_while_time_runs_the_collapse_stops_it(watch: Watch) -> None:
     watch.sail(iter([DIVE, "run"]))
 
     assert watch.failure.startswith("collapse at 12")
-    assert watch.session.deserted.startswith("frozen at ")
+    assert watch.session.conduct.deserted.startswith("frozen at ")
 
 
 def test_after_a_backtrack_the_run_goes_on(watch: Watch) -> None:
@@ -224,7 +223,7 @@ def test_a_collapse_is_replayed_to_its_end_and_is_a_collapse_again(watch: Watch)
         stopped = watch.tick
         yield "replay 20 s"
         assert watch.failure == ""
-        while watch.session.history.rerun:
+        while watch.session.history.flown.replaying:
             yield ""
         assert watch.tick == stopped
         yield "run"
@@ -262,7 +261,7 @@ def test_a_boat_without_these_depths_goes_on_down_and_nothing_is_told() -> None:
         watch.sail(iter([DIVE, "step 400"]))
 
         assert watch.boat.state.z > 180.0
-        assert (watch.failure, watch.events(), watch.session.depths.times) == ("", [], {})
+        assert (watch.failure, watch.events(), watch.session.monitors.depths.times) == ("", [], {})
         assert watch.instructor.said("Passing") == []
 
 

@@ -15,7 +15,7 @@ from trainer.config.exercise import load_exercise
 from trainer.config.files import shipped_names
 from trainer.core.state import STATE
 from trainer.io.orders.sentences import order_sentence, read
-from trainer.session.control import Alarm
+from trainer.session.alarm import Alarm
 from trainer.session.exercise import Debriefing, Ending, Following, Judgement, is_met, quantity_of
 from trainer.session.stations.roles import ROLES
 
@@ -234,7 +234,7 @@ def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(
     ship.instructor.typed = ["again"]
     for station in ship.session.event_log.stations:
         for asked in station.take(1):
-            ship.session._hear(asked)  # noqa: SLF001  before what is done beside is taken
+            ship.session.dispatch.hear(asked)  # before what is done beside is taken
     ship.settle(lambda: True)
 
     assert ship.conduct.ending.marks is None
@@ -328,17 +328,17 @@ def test_what_happened_on_a_branch_left_behind_is_not_counted(
     ship = crewed(seconds=None)
 
     def counted() -> dict[str, list[float]]:
-        return ship.session.monitor.times | ship.session.depths.times
+        return ship.session.monitors.times
 
     ship.fly(4)
-    ship.session.monitor.times["broached"] = [1.0, 2.0]
-    ship.session.depths.times["test depth passed"] = [1.5]
+    ship.session.monitors.limits.times["broached"] = [1.0, 2.0]
+    ship.session.monitors.depths.times["test depth passed"] = [1.5]
     ship.fly(4)
     ship.order("backtrack 2.5 s")
     assert counted() == {"broached": [1.0], "test depth passed": [1.5]}
     ship.order("backtrack 1 s")
     assert counted() == {}
-    ship.session.monitor.times["followed"] = [0.5]
+    ship.session.monitors.limits.times["followed"] = [0.5]
     ship.fly(2)
     ship.order("branch 1")
     assert counted() == {"broached": [1.0, 2.0], "test depth passed": [1.5]}
@@ -431,7 +431,7 @@ def test_one_instructor_has_command_and_the_others_watch_and_mark(
     ship.now += 9.0
     assert "line 1 has command" in ship.refused("run", second)
     ship.now += 1.5
-    ship.session.listen()
+    ship.session.attendance.listen()
     assert ship.say(second, "run") == ("ok", "running")
     assert ship.facts(second, "command")[-1] == "line 2"
     assert "line 2 has command" in ship.refused("freeze")
@@ -439,7 +439,7 @@ def test_one_instructor_has_command_and_the_others_watch_and_mark(
     assert ship.say(second, "give command") == ("ok", "line 1 has command")
     ship.order("freeze")
     ship.leaves(ship.instructor)
-    ship.session.listen()
+    ship.session.attendance.listen()
     assert ship.facts(second, "command")[-1] == "line 2"
     assert ship.say(second, "run") == ("ok", "running")
 
@@ -698,7 +698,7 @@ def test_a_visitors_orders_wait_where_they_are_more_than_a_line_may_give(
     visitor.typed = [order_sentence(f"lever dive {angle % 20}", "8") for angle in range(300)]
     begun = time.monotonic()
     for _ in range(20):
-        ship.session.listen()
+        ship.session.attendance.listen()
     answers = [each for each in map(read, visitor.sent) if each and each.tag == "8"]
     passed = time.monotonic() - begun
     assert len(answers) <= 100 + 20 * (passed + 1.0)

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from helpers.line import Line
+from helpers.sessions import session_over
 
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
@@ -15,11 +16,9 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import parse_schedule
 from trainer.io.recording.queries import Journalled, Past
 from trainer.io.recording.recording import Recording
-from trainer.io.tables import NoFile
 from trainer.session.agenda import Agenda
 from trainer.session.crew import CrewTalk
 from trainer.session.history import History
-from trainer.session.session import Session
 from trainer.session.standing import Standing
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
@@ -43,16 +42,7 @@ class Crew:
         assert isinstance(entries, list)
         sending = Promptly(Roster(StateReader(boat, time.ledger.summary)))
         history = History(boat, recording)
-        self.session = Session(
-            boat,
-            time,
-            history,
-            NoFile(),
-            (),
-            sending,
-            schedule=entries,
-            **more,  # type: ignore[arg-type]
-        )
+        self.session = session_over(*(boat, time, history, sending), schedule=entries, by_hand=more)
         self.lines: dict[str, Line] = {}
         self.boat, self.sending = boat, sending
 
@@ -68,7 +58,7 @@ class Crew:
         line = self.lines[role]
         line.sent.clear()
         line.waiting += words
-        self.session.listen()
+        self.session.attendance.listen()
         return line.sent
 
     def program(self, role: str, words: str) -> str:
@@ -87,7 +77,7 @@ class Crew:
 
     def fly(self, seconds: float) -> "Crew":
         for _ in range(round(seconds / 0.5)):
-            self.session._tick()  # noqa: SLF001  the loop's own step, one at a time
+            self.session.tick()
         return self
 
     def heard(self, role: str) -> list[str]:
@@ -539,7 +529,7 @@ def test_a_pump_that_still_works_where_a_replay_ends_is_reported_when_it_is_done
     here.fly(3.0)
     here.say("instructor", "replay 4 s")
     here.fly(4.5)
-    assert here.session.history.rerun is None
+    assert not here.session.history.flown.replaying
     here.session.time.pacer.run()
     here.fly(20.0)
     told = [line for line in here.heard("instructor") if "reports" in line]
@@ -757,7 +747,7 @@ def test_a_replay_has_the_orders_of_the_guard_once(crew: Make) -> None:
     here.fly(60.0)
     end = here.boat.plain.tobytes()
     here.say("instructor", "replay 50 s")
-    while here.session.history.rerun:
+    while here.session.history.flown.replaying:
         here.fly(0.5)
     assert here.boat.plain.tobytes() == end
     assert "to the last bit" in " ".join(here.heard("instructor"))

@@ -23,6 +23,7 @@ from typing import Any
 import pynmea2
 import pytest
 from helpers.installation import installed
+from helpers.sessions import session_over
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -39,7 +40,6 @@ from trainer.session.nmea.outlets import Steady, open_outlets
 from trainer.session.nmea.sentences import INSTRUMENTS
 from trainer.session.options import RunOptions
 from trainer.session.ports import Ports
-from trainer.session.session import Session
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
@@ -113,8 +113,8 @@ class Deck:
         stack.callback(self.recording.close)
         keeping = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
         history = History(self.boat, self.recording)
-        self.session = Session(
-            self.boat, keeping, history, NoFile(), COLUMNS, self.publisher, wake=wake
+        self.session = session_over(
+            *(self.boat, keeping, history, self.publisher), rows=(NoFile(), COLUMNS), wake=wake
         )
         ports = Ports(wake, self.publisher, self.session.event_log.log, stack)
         self.stations = open_outlets(ports, self.recording, given)
@@ -131,7 +131,7 @@ class Deck:
 
     def hear_orders(self) -> list[tuple[str, str, bool | None]]:
         """Return who has ordered what so far, and whether it was accepted."""
-        self.session.listen()
+        self.session.attendance.listen()
         return [(order.who, order.text, order.accepted) for order in self.recording.orders(1, 0)]
 
     @property

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from helpers.sessions import session_over
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -19,6 +20,7 @@ from trainer.io.orders.grammar import LONGEST
 from trainer.io.orders.schedule import parse_schedule
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import COLUMNS
+from trainer.session.attendance import Introduction
 from trainer.session.history import History
 from trainer.session.session import Session
 from trainer.session.stations.roles import Access
@@ -124,12 +126,14 @@ def session_of(
     recording = Recording.create(None, {}, boat.records.state.tobytes())
     OPENED.append(recording)
     history = History(boat, recording)
-    session = Session(boat, time, history, recorder or Rows(), COLUMNS, script, schedule=entries)
+    rows = recorder or Rows(), COLUMNS
+    session = session_over(
+        *(boat, time, history, script), rows=rows, schedule=entries, wake=script.wake
+    )
     session.event_log.stations.append(
         Station(script, Access("instructor"), script, session.event_log.log)
     )
     session.last_tick = ticks
-    session.wake = script.wake
     return session
 
 
@@ -143,8 +147,8 @@ def test_a_session_runs_to_its_last_tick_and_records_each_and_the_start() -> Non
     script = Script([])
     session = run(script, 6)
     assert script.shown == [(tick, False) for tick in range(1, 7)]
-    assert isinstance(session.recorder, Rows)
-    assert [row[:2] for row in session.recorder.kept] == [(k, 0.5 * k) for k in range(7)]
+    assert isinstance(session.rows.recorder, Rows)
+    assert [row[:2] for row in session.rows.recorder.kept] == [(k, 0.5 * k) for k in range(7)]
 
 
 def test_in_a_freeze_single_steps_go_on_and_are_shown_as_frozen() -> None:
@@ -175,14 +179,14 @@ def test_steps_are_taken_before_the_next_line_and_forgotten_by_run() -> None:
     session = session_of(script, 10, "2 step 100\n2 run\n4 freeze\n")
     session.run()
     assert session.boat.state.tick == 8
-    assert session.deserted
+    assert session.conduct.deserted
 
 
 def test_steps_end_with_the_last_tick() -> None:
     script = Script([["freeze", "step 1000"]])
     session = run(script, 6)
     assert session.boat.state.tick == 6
-    assert not session.deserted
+    assert not session.conduct.deserted
 
 
 def test_run_lets_a_frozen_boat_go_on() -> None:
@@ -190,24 +194,24 @@ def test_run_lets_a_frozen_boat_go_on() -> None:
     session = run(script)
     assert session.boat.state.tick == 10
     assert script.heard == ["frozen", "2 ticks, then frozen", "running"]
-    assert not session.deserted
+    assert not session.conduct.deserted
 
 
 def test_a_frozen_session_nobody_can_run_again_ends_and_says_so() -> None:
     script = Script([["freeze"]])
     session = run(script)
     assert session.boat.state.tick == 0
-    assert session.deserted == "frozen at 0 s, and nobody is left to say run"
-    assert script.heard[-1] == session.deserted
+    assert session.conduct.deserted == "frozen at 0 s, and nobody is left to say run"
+    assert script.heard[-1] == session.conduct.deserted
 
 
 def test_frozen_and_resumed_gives_the_same_bits() -> None:
     schedule = "1 rudder right 15\n2 depth 70\n"
     straight = run(Script([]), 40, schedule)
     halting = run(Script([["freeze"], ["step 3"], ["step 7"], ["run"]]), 40, schedule)
-    assert isinstance(halting.recorder, Rows)
-    assert isinstance(straight.recorder, Rows)
-    assert halting.recorder.kept == straight.recorder.kept
+    assert isinstance(halting.rows.recorder, Rows)
+    assert isinstance(straight.rows.recorder, Rows)
+    assert halting.rows.recorder.kept == straight.rows.recorder.kept
     assert halting.boat.records.state.tobytes() == straight.boat.records.state.tobytes()
 
 
@@ -218,7 +222,7 @@ def test_a_last_quit_in_a_freeze_is_no_desertion() -> None:
     script = Gone([["freeze"], ["quit"]])
     session = run(script)
     assert script.heard == ["frozen", "ending"]
-    assert not session.deserted
+    assert not session.conduct.deserted
 
 
 def test_quit_ends_the_session_with_what_was_typed_before_it_done() -> None:
@@ -276,8 +280,8 @@ def test_a_scheduled_order_acts_on_the_first_tick_not_before_its_time() -> None:
     script = Script([])
     session = session_of(script, 6, "1.2 rudder right 10\n2 rudder left 40\n")
     session.run()
-    assert isinstance(session.recorder, Rows)
-    rudder = [row[COLUMNS.index("delta_r")] for row in session.recorder.kept]
+    assert isinstance(session.rows.recorder, Rows)
+    rudder = [row[COLUMNS.index("delta_r")] for row in session.rows.recorder.kept]
     # 1.2 s is within the third tick: the order acts at the start of the fourth
     assert rudder[:4] == [rudder[0]] * 4
     assert rudder[4] == pytest.approx(rudder[0] - 3.55 * DEGREE)
@@ -302,8 +306,8 @@ def test_a_boat_whose_numbers_are_lost_freezes_and_will_not_run_again() -> None:
     assert f"FROZEN: {session.control.failure}" in script.heard
     assert script.heard.count(f"? {GONE.format(session.control.failure)}") == 2
     assert boat.state.tick == 0
-    assert isinstance(session.recorder, Rows)
-    assert len(session.recorder.kept) == 1
+    assert isinstance(session.rows.recorder, Rows)
+    assert len(session.rows.recorder.kept) == 1
 
 
 def test_trouble_with_the_recording_is_told_at_once_and_only_once() -> None:
@@ -394,11 +398,12 @@ def test_nothing_of_the_exercise_is_told_before_the_token_nor_what_breaks_to_the
     stranger = Script([["briefing", "status", "role helm WORD", "briefing"], ["detach"]])
     alone = Script([["quit"]])
     session = session_of(alone)
-    session.briefing = ("Stern planes jam", "At 30 s the stern planes stick.", "BB2")
-    session.crew_briefing = ("BB2",)
+    told = "Stern planes jam", "At 30 s the stern planes stick.", "BB2"
+    session.attendance.introduction = Introduction(told, ("BB2",))
     access = Access(tokens={"": "WORD"})
-    session.reception = Coming(Station(stranger, access, stranger, session.event_log.log))
-    session.listen()
+    station = Station(stranger, access, stranger, session.event_log.log)
+    session.attendance.reception = Coming(station)
+    session.attendance.listen()
     heard = "\n".join(stranger.heard)
     before, _, after = heard.partition("you have the helm")
     assert "BB2" not in before
@@ -414,7 +419,7 @@ def test_a_mark_says_who_made_it_and_cannot_look_like_the_session() -> None:
         session.event_log.stations.append(
             Station(line, Access("observer"), line, session.event_log.log)
         )
-    session.listen()
+    session.attendance.listen()
     assert other.heard == ["mark by observer: the session is over"]
     recording = session.history.recording
     assert isinstance(recording, Recording)

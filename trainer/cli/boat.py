@@ -31,13 +31,15 @@ from trainer.io.recording.absence import OrdersAlone
 from trainer.io.recording.queries import Journalled, Moment
 from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, Cell
+from trainer.session.agenda import Agenda
 from trainer.session.header import header_of, refusing_damage
 from trainer.session.history import History
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
+from trainer.session.parts import Monitors
 from trainer.session.plan import Plan, plan_run, refuse_depth
-from trainer.session.run import create_recording, open_publisher, ready
-from trainer.session.session import Session
+from trainer.session.run import create_recording, crew_talk, open_publisher, ready
+from trainer.session.session import Rows, Session
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
@@ -133,15 +135,11 @@ class Boat:
             boat,
             time,
             History(boat, self._keeper),
-            self._rows,
-            COLUMNS,
             open_publisher(boat, time, chosen),
-            schedule=plan.schedule,
-            monitor=LimitMonitor.over(boat, plan.limits),
-            hand=frozenset(plan.hand),
-            hand_from=plan.hand_from,
-            allowed=frozenset(plan.allowed),
-            guard=plan.guard,
+            Agenda(boat, plan.schedule),
+            crew_talk(plan, boat),
+            Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),
+            rows=Rows(self._rows, COLUMNS),
         )
         session.conduct.scored = bool(plan.scores)
         session.event_log.hearers.append(self._events.append)

@@ -39,8 +39,8 @@ from trainer.debrief.trajectory import Trajectory, read_passage
 from trainer.io.recording.queries import Excess
 from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
 from trainer.session.header import layout_of, plan_of, trainees_of
-from trainer.session.history import recorded_world_orders, settle_world
 from trainer.session.plan import Plan
+from trainer.session.world_orders import recorded_world_orders, settle_world
 
 GAP: Final = "not recorded"  # begins why a branch was begun that nobody wound back to
 ECHOES: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal

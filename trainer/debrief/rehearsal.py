@@ -21,9 +21,9 @@ from trainer.debrief.trajectory import COLUMNS, Trajectory
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.queries import Journalled, Moment, Noted
-from trainer.session.history import WorldOrders
 from trainer.session.layout import LAYOUT, read_state
 from trainer.session.plan import Plan
+from trainer.session.world_orders import WorldOrders
 
 CREW: Final = "reference crew"  # who gives its orders
 PLACED: Final = np.array([LAYOUT.index(name) for name in COLUMNS])

@@ -32,7 +32,7 @@ def account(session: Session, wall: float, options: SummaryOptions) -> int:
     """Print the summary of a run of ``wall`` [s] and what went wrong. Return the exit code."""
     kept = options.kept
     lines = outcome_lines(session)
-    if times := session.monitor.times | session.depths.times | session.pilot.times:
+    if times := session.monitors.times:
         lines.append(f"events      {account_of(times)}")
     lines.append(one_line(session, kept))
     lines += details(session, wall, kept) if options.verbose else []
@@ -41,14 +41,14 @@ def account(session: Session, wall: float, options: SummaryOptions) -> int:
     ending = session.conduct.ending
     failure = failure or (f"{ending.over}: {ending.why}" if ending.how == "lost" else "")
     recording = describe_missing(session.history.recording) if kept else ""
-    troubles = [failure, session.deserted, session.recorder.trouble, recording]
+    troubles = [failure, session.conduct.deserted, session.rows.recorder.trouble, recording]
     safe = "; the recording has all that happened" if kept and not recording else ""
     for station in session.event_log.stations:
         if station.line.dropped:
             unread = f"{station.line.dropped} lines were not read there{safe}"
             click.echo(f"trainer: {station.who}: {unread}", err=True)
     if not options.aside:  # nobody was there to hear it
-        troubles += session.refused
+        troubles += session.dispatch.refused
     for trouble in filter(None, troubles):
         click.echo(f"trainer: {trouble}", err=True)
     return 1 if any(troubles) else 0

@@ -1,24 +1,21 @@
 """The conduct of a session: command, readiness, the end of an exercise, and the next.
 
-These orders are about the session as a whole. They are heard here before any other: an instructor
-without command watches and marks, and after the end of an exercise time stands still.
+An instructor without command watches and marks, and after the end of an exercise time stands still.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, TypeVar
 
 from trainer.boat.depths import collapse_of, hull_depth
-from trainer.boat.grounding import GroundMonitor
+from trainer.boat.grounding import Call, GroundMonitor
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.course import course
-from trainer.io.orders.grammar import Order, Refused
-from trainer.io.orders.table import BOAT_ORDERS
-from trainer.io.recording.recording import RecordingError
-from trainer.session.control import HERE, Command, Control
-from trainer.session.crew import role_of
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.session.command import Command
+from trainer.session.control import HERE, Control
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import (
     AT_ITS_END,
@@ -32,10 +29,10 @@ from trainer.session.exercise import (
 from trainer.session.manning import unmanned_axes
 from trainer.session.stations.past import PastReader
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, not_for_visitors
-from trainer.session.stations.station import Asked, Fact, News, Station
+from trainer.session.stations.station import Asked, Duty, Fact, Lines, Station
 
 Made = TypeVar("Made")
-AGAIN_WITHIN: Final = 10.0  # [s] for `quit` to be said again
+QUIT_AGAIN_WITHIN_S: Final = 10.0  # for `quit` to be said again
 NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer", "visitor")  # nobody asks: ready?
 
 
@@ -56,6 +53,7 @@ class Conduct:
     clock: Callable[[], float] = time.monotonic
     ready: list[Station] = field(default_factory=list)
     begun: bool = False  # time has run
+    deserted: str = ""  # why the session ended before its time
     halted: str = ""  # what the exercise has frozen time for, until it runs again
     compiled_from: int = 0  # the tick, where the run began interpreted
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
@@ -71,33 +69,21 @@ class Conduct:
         self.ground = GroundMonitor(history.boat)
         self.past = PastReader(history.boat, self.work, self.log)
         self._quitting: tuple[Station | None, float] = None, 0.0  # who has said so, and when
-        self._duties: dict[str, Callable[[Asked], bool]] = {
-            "quit": self._quit,
-            "run": self._run,
-            "step": self._run,
-            "again": self._again,
-            "restart": self._restart,
+
+    @property
+    def duties(self) -> Mapping[str, Duty]:
+        """Return who obeys and answers the orders about the conduct of the session."""
+        return {
             "end": self._end,
             "release-marks": self._release,
             "debrief": self._debrief,
             "next": self._next,
-            "branches": self._branches,
-            "snapshots": self._snapshots,
             "history": self._history,
             "ready": self._be_ready,
             "command": self.command.ask,
             "give": self.command.give,
             "keep": self.command.keep,
         }
-
-    def hear(self, asked: Asked) -> bool:
-        """Obey and answer an order about the conduct of the session. Return whether it was one."""
-        why = self.command.barred(asked)
-        if why:
-            asked.station.answer(asked, Refused(why))
-            return True
-        duty = self._duties.get(asked.order.name)
-        return duty is not None and duty(asked)
 
     def tend(self) -> None:
         """Take what is done, tell trouble, and see whose command it is; between orders."""
@@ -118,22 +104,28 @@ class Conduct:
             self._stop()
 
     def judge_hull(self) -> None:
-        """Tell of the ground and of the hull's collapse. A replay goes to its end anyway."""
-        control = self.control
-        for call in self.ground.look() if self.ground.bottom else ():
-            self.tell_depth(call.text)
-            if call.aground and not control.history.rerun:
+        """Tell of the ground and of the hull's collapse, and do what the exercise has them do."""
+        for call in self.tell_ground():
+            if call.aground:
                 self.halt(call.text, call.how)
-        if control.history.rerun or control.failure:
+        control = self.control
+        if control.failure:
             return
         control.failure = collapse_of(control.boat)
         if control.failure:
             depth = hull_depth(control.boat)
             self.tell_depth(control.failure, Fact("collapse", f"{depth:.1f}"))
 
+    def tell_ground(self) -> list[Call]:
+        """Tell of the ground; return what was told."""
+        calls = list(self.ground.look()) if self.ground.bottom else []
+        for call in calls:
+            self.tell_depth(call.text)
+        return calls
+
     def collide(self, met: EncounterMonitor) -> None:
         """Do what the exercise has a collision do."""
-        if met.struck and not self.control.history.rerun:
+        if met.struck:
             self.halt(f"collision with {met.struck}", met.rules.collision)
 
     def halt(self, why: str, how: str) -> None:
@@ -153,11 +145,39 @@ class Conduct:
         boat = self.control.boat
         self.log.alert("depth", f"tick {boat.ticks} ({boat.time:g} s): {words}", fact)
 
-    def past_its_end(self, order: Order, who: str) -> str:
-        """Return why the boat obeys nobody: the exercise is over. "" before, and for words."""
-        if not self.ending.over or order.name not in BOAT_ORDERS | {"plan"}:
+    # The gates, for which see ``dispatch``
+
+    def past_its_end(self, order: Order, role: Role, *, after_end: bool) -> str:
+        """Return that the exercise is over, "" before, and for an order that is obeyed then."""
+        if not self.ending.over:
             return ""
-        return OVER if role_of(who) == INSTRUCTOR.name else f"{AT_ITS_END}: the instructor goes on"
+        if order.name == "again" and order.subject == HERE:
+            return "here is the end of the exercise: again from 2 min, or from a moment kept"
+        if after_end:
+            return ""
+        return OVER if role is INSTRUCTOR else f"{AT_ITS_END}: the instructor goes on"
+
+    def unconfirmed(self, station: Station) -> str:
+        """Return how many others ``quit`` would end the session for, "" where it was said twice."""
+        others = sum(1 for each in self._others(station))
+        who, when = self._quitting
+        if not others or (who is station and self.clock() - when <= QUIT_AGAIN_WITHIN_S):
+            return ""
+        self._quitting = station, self.clock()
+        attached = "1 station is" if others == 1 else f"{others} stations are"
+        within = f"type quit again within {QUIT_AGAIN_WITHIN_S:g} s to end it for all, or detach"
+        return f"{attached} attached: {within}"
+
+    def not_for(self, role: Role) -> str:
+        """Return why a role may not begin the run of a crew again, "" if it may."""
+        return "" if self.visitors else not_for_visitors(role)
+
+    def go_on(self, order: Order) -> None:
+        """Take it that time is let go on; tell who is not ready for it."""
+        self.halted = ""
+        late = [each.who for each in self._crew() if each not in self.ready]
+        if late and not self.begun and order.name == "run":
+            self.log.tell("station", f"not ready: {', '.join(late)}")
 
     def settle(self) -> None:
         """Take the moment as it is after a jump in time. Nothing of the end is news."""
@@ -182,14 +202,14 @@ class Conduct:
             told.append(Fact("debrief", ending.debrief))
         return told
 
-    def desert(self) -> str:
-        """Tell that nobody is left to say run. Return so, "" where the exercise is over anyway."""
+    def desert(self) -> None:
+        """Tell that nobody is left to say run; an exercise that is over may stand still."""
         if self.ending.over:
-            return ""
+            return
         cause = f" by {self.halted}" if self.halted else ""
-        why = f"frozen at {self.control.boat.time:g} s{cause}, and nobody is left to say run"
-        self.log.tell("time", why)
-        return why
+        seconds = self.control.boat.time
+        self.deserted = f"frozen at {seconds:g} s{cause}, and nobody is left to say run"
+        self.log.tell("time", self.deserted)
 
     def go_over(self, tick: Callable[[], int]) -> None:
         """Compute the ticks by machine code from now on, at the speed asked for."""
@@ -267,44 +287,30 @@ class Conduct:
         for text in (*(f"  {reason}" for reason in found.reasons), *uncounted, change):
             self.log.tell("exercise", text)
 
-    def _end(self, asked: Asked) -> bool:
-        boat, ending = self.control.boat, self.ending
-        if ending.over:
-            asked.station.answer(asked, Refused(OVER))
-            return True
-        if self.control.history.rerun:
-            asked.station.answer(asked, Refused("a replay is running: take over first"))
-            return True
-        ending.end("ended", f"ended at {boat.time:g} s by the {asked.station.who}")
+    def _end(self, asked: Asked) -> Reply:
+        boat = self.control.boat
+        self.ending.end("ended", f"ended at {boat.time:g} s by the {asked.station.who}")
         self._stop()
-        asked.station.answer(asked, "the exercise is over")
-        return True
+        return "the exercise is over"
 
-    def _release(self, asked: Asked) -> bool:
+    def _release(self, _asked: Asked) -> Reply:
         ending = self.ending
         if not ending.over:
-            why = "the exercise is not over: type end exercise first"
-        elif ending.marks is None:
-            why = self._unmarked or "there are no marks yet"
-        else:
-            why = ""
-            ending.released = True
-            told = Fact("marks", ending.marks.fields)
-            self.log.tell("marks", f"marks: {ending.marks}", fact=told)
-            for reason in ending.marks.reasons:
-                self.log.tell("marks", f"  {reason}")
-        asked.station.answer(asked, Refused(why) if why else "everybody has the marks")
-        return True
+            return Refused("the exercise is not over: type end exercise first")
+        if ending.marks is None:
+            return Refused(self._unmarked or "there are no marks yet")
+        ending.released = True
+        fact = Fact("marks", ending.marks.fields)
+        self.log.tell("marks", f"marks: {ending.marks}", fact=fact)
+        for reason in ending.marks.reasons:
+            self.log.tell("marks", f"  {reason}")
+        return "everybody has the marks"
 
-    def _debrief(self, asked: Asked) -> bool:
+    def _debrief(self, _asked: Asked) -> Reply:
         if self.debriefing is None or self.kept is None:
-            asked.station.answer(asked, Refused("no debrief: this session is not recorded"))
-            return True
+            return Refused("no debrief: this session is not recorded")
         if not self.control.time.frozen:
-            asked.station.answer(
-                asked, Refused("a debrief takes some seconds: first freeze, or end exercise")
-            )
-            return True
+            return Refused("a debrief takes some seconds: first freeze, or end exercise")
         write, kept, recording = self.debriefing.write, self.kept, self.control.history.recording
         recording.flush()
         branch = recording.branch
@@ -314,116 +320,50 @@ class Conduct:
             self.log.tell("exercise", f"debrief written: {there}", fact=Fact("debrief", there))
 
         self._begin("debrief", lambda: write(kept, branch), written)
-        asked.station.answer(asked, f"the debrief of branch {branch} is being written")
-        return True
+        return f"the debrief of branch {branch} is being written"
 
     # What follows
 
-    def _run(self, asked: Asked) -> bool:
-        if self.control.failure:
-            return False
-        if self.ending.over:
-            asked.station.answer(asked, Refused(OVER))
-            return True
-        self.halted = ""
-        late = [each.who for each in self._crew() if each not in self.ready]
-        if late and not self.begun and asked.order.name == "run":
-            self.log.tell("station", f"not ready: {', '.join(late)}")
-        return False
-
-    def _again(self, asked: Asked) -> bool:
-        """Refuse what would be over at once; what else is asked for is a way back."""
-        refused = bool(self.ending.over) and asked.order.subject == HERE
-        if refused:
-            why = "here is the end of the exercise: again from 2 min, or from a moment kept"
-            asked.station.answer(asked, Refused(why))
-        return refused
-
-    def _restart(self, asked: Asked) -> bool:
-        """Refuse a visitor who would begin the run of a crew again."""
-        why = "" if self.visitors else not_for_visitors(asked.station.role)
-        if why:
-            asked.station.answer(asked, Refused(why))
-        return bool(why)
-
-    def _quit(self, asked: Asked) -> bool:
-        others = sum(1 for each in self._others(asked.station))
-        who, when = self._quitting
-        again = who is asked.station and self.clock() - when <= AGAIN_WITHIN
-        if not others or again:
-            return False
-        self._quitting = asked.station, self.clock()
-        attached = "1 station is" if others == 1 else f"{others} stations are"
-        within = f"type quit again within {AGAIN_WITHIN:g} s to end it for all, or detach"
-        asked.station.answer(asked, Refused(f"{attached} attached: {within}"))
-        return True
-
-    def _next(self, asked: Asked) -> bool:
-        name, following = asked.order.subject, self.following
+    def _next(self, asked: Asked) -> Reply | Lines:
+        name = asked.order.subject
         if not name:
             names = [each.name for each in course()]
-            asked.station.answer(asked, "type next NAME to begin one of these", *names)
-            return True
-        elsewhere = following.barred
-        if not elsewhere and not all(each.visits for each in self.log.stations):
-            elsewhere = "this session has lines of its own"
-        if elsewhere:
-            why = f"{elsewhere}: quit, then trainer run {name}"
-        elif not self.ending.over:
-            why = "this exercise is not over: type end exercise first"
-        else:
-            why = following.problem(name)
-        if why:
-            asked.station.answer(asked, Refused(why))
-            return True
-        asked.station.answer(asked, f"next: {name}")
+            return Lines(names, "type next NAME to begin one of these")
+        if why := self._no_next(name):
+            return Refused(why)
         self.log.tell("time", "the next exercise is being made ready")
         for station in self.log.stations:  # the file's name may tell what is hidden
             told = name if station.role is INSTRUCTOR else ""
             self.log.note(station, [Fact("next", told)])
         self.control.following, self.control.ended = name, True
-        return True
+        return f"next: {name}"
 
-    def _branches(self, asked: Asked) -> bool:
-        history = self.control.history
-        try:
-            flown = history.branches()
-        except RecordingError as error:  # its past cannot be read at present
-            asked.station.answer(asked, Refused(str(error)))
-            return True
-        for each in flown:
-            now = News(history.tick, history.boat.time, "moment", "", Fact("branch", each.fields))
-            asked.station.note(now)
-        asked.station.answer(asked, "", *(str(each) for each in flown))
-        return True
+    def _no_next(self, name: str) -> str:
+        """Return why that exercise cannot follow, "" if it can."""
+        elsewhere = self.following.barred
+        if not elsewhere and not all(each.visits for each in self.log.stations):
+            elsewhere = "this session has lines of its own"
+        if elsewhere:
+            return f"{elsewhere}: quit, then trainer run {name}"
+        if not self.ending.over:
+            return "this exercise is not over: type end exercise first"
+        return self.following.problem(name)
 
-    def _snapshots(self, asked: Asked) -> bool:
-        """Tell a program the moments kept; their list is what the order itself is answered."""
-        history = self.control.history
-        step = history.boat.method.step
-        for name, moment in history.snapshots().items():
-            kept = Fact("snapshot", name)
-            asked.station.note(News(moment.tick, moment.tick * step, "moment", "", kept))
-        return False
-
-    def _history(self, asked: Asked) -> bool:
+    def _history(self, asked: Asked) -> None:
         self.past.answer(asked, self.control.history, self.kept)
-        return True
 
     # Who is there
 
-    def _be_ready(self, asked: Asked) -> bool:
+    def _be_ready(self, asked: Asked) -> Reply:
         station = asked.station
         if self.begun:
-            asked.station.answer(asked, Refused("the exercise has begun"))
-            return True
+            return Refused("the exercise has begun")
         if station not in self.ready:
             self.ready.append(station)
         awaited = self._awaited()
         fact = Fact("ready", station.who)
         self.log.tell("station", f"{station.who} is ready{awaited}", station, fact)
-        station.answer(asked, f"ready{awaited}")
-        return True
+        return f"ready{awaited}"
 
     def _awaited(self) -> str:
         """Return who is not ready yet, and what is worked by hand and has nobody at it."""

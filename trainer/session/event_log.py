@@ -12,7 +12,6 @@ from typing import Final, Protocol
 
 from trainer.io.noise_log import CrowdLog
 from trainer.io.orders.grammar import Order, Refused, Reply
-from trainer.io.orders.table import CREW_TALK
 from trainer.io.recording.recording import RecordingError
 from trainer.io.status_line import clock
 from trainer.session.history import History
@@ -22,10 +21,6 @@ from trainer.session.stations.station import Fact, News, Station
 KEPT: Final = 500  # of what has happened, for who comes late
 CREW: Final = "crew"  # the kind of what is said to the crew and by it
 SAID: Final = ("wrong-way", "exercise", "report")  # facts of what was said that are of another kind
-# orders by which everybody can tell that something has been done with time
-GOING_BACK: Final = ("backtrack", "restore", "reset", "again", "restart", "branch")
-MOMENTS: Final = frozenset({*GOING_BACK, "replay", "take"})
-TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 OPEN: Final = 100  # alerts at most that wait to be seen
 UNSAFE: Final = "should the power go, the last orders would be lost; they act and are recorded"
 SAFE: Final = "what was ordered is safe should the power go"
@@ -69,9 +64,9 @@ class EventLog:
         # a remark is anybody's words: who hears it hears whose
         said = f"mark by {self.signature(by)}: {text}" if kind == "mark" and by else text
         news = News(self.history.tick, boat.time, kind, said, fact)
-        said_before = kind == CREW or (fact is not None and fact.what in SAID)
-        if not (said_before and self.history.rerun):  # a replay says again what is recorded
-            self.history.recording.event(news.tick, kind, by.who if by else "", text)
+        talk = kind == CREW or (fact is not None and fact.what in SAID)
+        keeper = self.history.flown.talk if talk else self.history.recording
+        keeper.event(news.tick, kind, by.who if by else "", text)
         for hear in self.hearers:
             hear(news)
         self._spread(news, by)
@@ -149,19 +144,19 @@ class EventLog:
             else:
                 station.note(news)
 
-    def pass_on(self, order: Order, answer: Reply, station: Station) -> str:
-        """Tell the others of an order and its answer; return the fact they are told."""
-        refused = isinstance(answer, Refused)
-        if order.name in CREW_TALK and not refused:
-            return ""  # that has been told
-        text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
-        kind = "order" if station.role is not INSTRUCTOR else "exercise"
-        fact = None
-        if not refused:
-            kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
-            fact = Fact("back" if order.name in GOING_BACK else "order", order.text)
-        self.tell(kind, f"{self.signature(station)}: {order.text}: {text}", station, fact)
-        return fact.what if fact else ""
+    def pass_on(
+        self, order: Order, answer: Reply, station: Station, kind: str | None, what: str
+    ) -> None:
+        """Tell the others of an order and its answer.
+
+        Of one that was obeyed: as news of that kind (None: by whose it was), by a fact ``what``.
+        """
+        kinds = "exercise" if station.role is INSTRUCTOR else "order"
+        head = f"{self.signature(station)}: {order.text}:"
+        if isinstance(answer, Refused):
+            self.tell(kinds, f"{head} refused: {answer.reason}", station)
+        else:
+            self.tell(kind or kinds, f"{head} {answer}", station, Fact(what, order.text))
 
     def attended(self, role: str) -> bool:
         """Return whether a station has that role."""

@@ -4,21 +4,19 @@ A moment is everything that there is to go back to: the whole state, the orders 
 what of the exercise's schedule is done. From a moment gone back to a new branch of the recording
 begins; the old one stays. A replay flies the old branch again and begins a new one only where
 somebody takes over.
-
-The latest moments of a branch, in memory that is taken once and for all at the start.
 """
 
 import math
-import struct
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from typing import Final, Protocol
 
 import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
+from trainer.boat.world.encounters import EncounterMonitor
 from trainer.boat.world.world import PARTS
 from trainer.core.state import STATE
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
@@ -32,143 +30,12 @@ from trainer.io.recording.recording import (
     Recording,
     RecordingError,
 )
-
-TOUCHED: Final = b"\xff"  # written everywhere at first, so that the memory is really there
-
-
-class Moments:
-    """A ring of moments in the order of their ticks. The oldest gives way to a new one."""
-
-    def __init__(self, most: int, size: int) -> None:
-        """Take room for so many moments, each with a state of so many bytes."""
-        self._most = most
-        self._row = struct.Struct(f"=4q{size}s")  # branch, tick, after, place and state
-        self._rows = bytearray(TOUCHED * (most * self._row.size))
-        self._begin = 0
-        self._count = 0
-
-    def __len__(self) -> int:
-        """Return how many are kept."""
-        return self._count
-
-    def append(self, moment: Moment) -> None:
-        """Keep a moment, later than all that are kept."""
-        numbers = moment.branch, moment.tick, moment.after, moment.place
-        self._row.pack_into(self._rows, self._place(self._count), *numbers, moment.state)
-        if self._count < self._most:
-            self._count += 1
-        else:
-            self._begin = (self._begin + 1) % self._most
-
-    def before(self, tick: int) -> Moment | None:
-        """Return the last moment at a tick or before it, None if none is kept."""
-        for back in range(self._count - 1, -1, -1):
-            moment = self._at(back)
-            if moment.tick <= tick:
-                return moment
-        return None
-
-    def since(self, tick: int) -> list[tuple[int, bytes]]:
-        """Return tick and state of those at a tick or after it, oldest first."""
-        every = (self._at(index) for index in range(self._count))
-        return [(moment.tick, moment.state) for moment in every if moment.tick >= tick]
-
-    def forget_after(self, tick: int) -> None:
-        """Drop those that are later than a tick."""
-        while self._count and self._at(self._count - 1).tick > tick:
-            self._count -= 1
-
-    def clear(self) -> None:
-        """Drop them all."""
-        self._count = 0
-
-    def _place(self, index: int) -> int:
-        return (self._begin + index) % self._most * self._row.size
-
-    def _at(self, index: int) -> Moment:
-        row = self._row.unpack_from(self._rows, self._place(index))
-        branch, tick, after, place, state = row
-        return Moment(branch, tick, state, after, place)
-
+from trainer.session.moments import Moments
+from trainer.session.world_orders import WorldOrder, to_world, world_orders
 
 FIRST: Final = 1  # the branch that begins with the run
 AUTOMATIC_EVERY: Final = 10.0  # [s] between moments kept in memory beside the recording
 AUTOMATIC_KEPT: Final = 360  # of them: one hour
-
-
-def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
-    """Return the order that was journalled, None if this version does not understand it.
-
-    That of a schedule is taken from there: a casualty's has more to it than its words.
-    """
-    if entry.place is not None and 0 <= entry.place < len(schedule):
-        return schedule[entry.place].order
-    order = parse(entry.text)
-    return order if isinstance(order, Order) else None
-
-
-class WorldOrder(NamedTuple):
-    """An order to the world with its tick, and the one before it."""
-
-    number: int
-    tick: int
-    order: Order
-    before: "WorldOrder | None"
-
-
-WorldOrders = Sequence[tuple[int, Order]]  # each with its tick
-
-
-def world_orders(latest: WorldOrder | None) -> WorldOrders:
-    """Return an order to the world and all before it, the first one first."""
-    found = []
-    while latest:
-        found.append((latest.tick, latest.order))
-        latest = latest.before
-    return found[::-1]
-
-
-def to_world(entry: Journalled, before: WorldOrder | None) -> WorldOrder | None:
-    """Return the latest order to the world after an order of the journal."""
-    if entry.accepted is False or entry.text.partition(" ")[0] not in PARTS:  # most are not
-        return before
-    order = parse(entry.text)
-    return WorldOrder(entry.id, entry.tick, order, before) if isinstance(order, Order) else before
-
-
-def worlds_begun(recording: Recording) -> dict[int, WorldOrders]:
-    """Return the orders to the world that stand where each branch begins.
-
-    It goes once through all branches, because each of a long chain rests on all before it.
-    """
-    begun: dict[int, WorldOrders] = {}
-    flown: dict[int | None, WorldOrder | None] = {None: None}  # to the end of each branch
-    for branch in recording.branches():
-        if branch.parent not in flown:
-            raise RecordingError(
-                f"branch {branch.id} begins in branch {branch.parent}: there is none"
-            )
-        latest = flown[branch.parent]
-        while latest and latest.number > branch.after:
-            latest = latest.before
-        begun[branch.id] = world_orders(latest)
-        for entry in recording.orders(branch.id, branch.after):
-            latest = to_world(entry, latest)
-        flown[branch.id] = latest
-    return begun
-
-
-def recorded_world_orders(recording: Recording, branch: int, after: int) -> WorldOrders:
-    """Return the orders to the world that a branch has up to ``after``."""
-    latest = None
-    for entry in recording.orders(branch):
-        latest = to_world(entry, latest) if entry.id <= after else latest
-    return world_orders(latest)
-
-
-def settle_world(boat: Boat, recording: Recording, branch: int, after: int) -> None:
-    """Bring a boat's world to what a branch's orders up to ``after`` made it."""
-    boat.world.settle(recorded_world_orders(recording, branch, after))
 
 
 @dataclass(frozen=True)
@@ -194,14 +61,232 @@ class Stretch:
         return f"{self.number},{self.parent or ''},{self.begun:.3f},{self.last:.3f},{self.why}"
 
 
-@dataclass
-class Rerun:
-    """A replay under way: the orders still to come, and its last moment."""
+class Judge(Protocol):
+    """Who judges a tick."""
 
-    orders: deque[Journalled]
-    end: Moment
-    began: float  # [s]
-    different: str = ""  # where it first left its recording
+    def collide(self, met: EncounterMonitor) -> None:
+        """Do what the exercise has a collision do."""
+        ...
+
+    def tell_ground(self) -> object:
+        """Tell of the ground."""
+        ...
+
+    def judge_hull(self) -> None:
+        """Tell of the ground and of the hull's collapse, and do what the exercise has them do."""
+        ...
+
+    def look(self) -> None:
+        """End the exercise if this tick does."""
+        ...
+
+
+class Orders(Protocol):
+    """Who carries out what is due."""
+
+    def obey_schedule(self) -> None:
+        """Carry out what the exercise has ordered."""
+        ...
+
+    def obey_plans(self) -> None:
+        """Carry out the instructors' plans."""
+        ...
+
+    def obey_again(self) -> None:
+        """Have recorded orders obeyed again."""
+        ...
+
+    def obey_watch(self) -> None:
+        """Carry out what those on watch order."""
+        ...
+
+    def end_replay(self, outcome: str) -> None:
+        """Let time stand still where a replay has arrived."""
+        ...
+
+
+class Talk(Protocol):
+    """Where the words on board are recorded."""
+
+    def event(self, tick: int, kind: str, who: str, text: str) -> None:
+        """Take something that happened."""
+        ...
+
+
+class Unrecorded:
+    """Records nothing: what a replay says again is in the recording."""
+
+    def event(self, tick: int, kind: str, who: str, text: str) -> None:
+        """Drop it."""
+
+
+class LiveRun:
+    """A run as it is flown for the first time. All of it is recorded."""
+
+    barred = ""  # why nobody may order the boat
+    replaying = False  # as it is shown
+
+    def __init__(self, history: "History") -> None:
+        self._history = history
+        self.talk: Talk = history.recording
+
+    def has_orders(self, schedule: Sequence[Scheduled]) -> bool:
+        """Return whether orders of the schedule are still to come."""
+        return self._history.place < len(schedule)
+
+    def due_of_schedule(self, schedule: Sequence[Scheduled]) -> Iterator[tuple[int, Scheduled]]:
+        """Yield the entries that act on the next tick or before it, with their places."""
+        history = self._history
+        while history.flown is self and history.place < len(schedule):
+            entry = schedule[history.place]
+            if math.ceil(entry.seconds / history.boat.method.step - 1e-9) > history.tick:
+                return
+            yield history.place, entry
+
+    def recorded(self, _schedule: Sequence[Scheduled]) -> Iterator[tuple[Order, str]]:
+        """Yield no order: all are given now."""
+        return iter(())
+
+    def obey_due(self, orders: Orders) -> bool:
+        """Have the orders obeyed that act on the next tick. No run ends by that."""
+        orders.obey_schedule()
+        orders.obey_plans()
+        return False
+
+    def keep(self, tick: int, state: bytes) -> None:
+        """Record the state after a tick."""
+        self._history.record(tick, state)
+
+    def keep_timing(self, tick: int, lateness: int, work: int) -> None:
+        """Record how late [ns] a tick began, and how long [ns] it worked."""
+        self._history.recording.timing(tick, lateness, work)
+
+    def keep_row(self, write: Callable[[], None]) -> None:
+        """Have the tick's row written."""
+        write()
+
+    def judge(self, judge: Judge, encounters: EncounterMonitor) -> None:
+        """Have this tick judged: collisions, the ground, the hull, the exercise's end."""
+        judge.collide(encounters)
+        self.judge_hull(judge)
+        judge.look()
+
+    def judge_hull(self, judge: Judge) -> None:
+        """Have the ground and the hull judged."""
+        judge.judge_hull()
+
+    def watch(self, orders: Orders) -> None:
+        """Have those on watch order what this tick calls for."""
+        orders.obey_watch()
+
+    def last_tick(self, branch: int) -> int:
+        """Return the last tick of a branch; that of the present one is now."""
+        recording = self._history.recording
+        flown = recording.last_tick(branch)
+        return max(flown, self._history.tick) if branch == recording.branch else flown
+
+    def end(self) -> Moment:
+        """Return the moment that a replay from here leads to."""
+        return self._history.now()
+
+
+class ReplayedRun:
+    """A run flown again by its recorded orders, and compared with its recorded states."""
+
+    barred = "a replay is running: take over first"
+    replaying = True
+
+    def __init__(self, history: "History", orders: Sequence[Journalled], end: Moment) -> None:
+        self._history = history
+        self._orders = deque(orders)  # still to come
+        self._end = end
+        self.talk: Talk = Unrecorded()
+        self.different = ""  # where it first left its recording
+
+    def has_orders(self, _schedule: Sequence[Scheduled]) -> bool:
+        """Return that there may be orders, or its end."""
+        return True
+
+    def due_of_schedule(self, _schedule: Sequence[Scheduled]) -> Iterator[tuple[int, Scheduled]]:
+        """Yield nothing: what the schedule ordered is among the recorded orders."""
+        return iter(())
+
+    def recorded(self, schedule: Sequence[Scheduled]) -> Iterator[tuple[Order, str]]:
+        """Yield the orders that were given at this tick, and who gave each."""
+        history = self._history
+        while self._orders and self._orders[0].tick <= history.tick:
+            entry = self._orders.popleft()
+            history.include(entry)
+            order = order_of(entry, schedule)
+            if order is not None:
+                yield order, entry.who
+
+    def obey_due(self, orders: Orders) -> bool:
+        """Have the recorded orders of this tick obeyed; return whether the replay ends here."""
+        orders.obey_again()
+        if self._history.tick < self._end.tick or self._orders:
+            return False
+        orders.end_replay(self._history.arrive(self.difference))
+        return True
+
+    @property
+    def difference(self) -> str:
+        """Return where the replay left its recording, "" where it did not."""
+        same = self._end.state == self._history.now().state
+        return self.different or ("" if same else "it did not end in the state that it led to")
+
+    def keep(self, tick: int, state: bytes) -> None:
+        """Compare the state after a tick with the one that is recorded."""
+        if self.different:
+            return
+        history = self._history
+        try:
+            recorded = history.recording.moment(history.recording.branch, tick)
+        except RecordingError as error:
+            self.different = str(error)
+            return
+        # a branch may begin with orders of its own tick, which the replay gives only now
+        if recorded and recorded.after == history.after and recorded.state != state:
+            self.different = f"the replay left its recording at tick {tick}"
+
+    def keep_timing(self, tick: int, lateness: int, work: int) -> None:
+        """Keep the timing as it was recorded."""
+
+    def keep_row(self, write: Callable[[], None]) -> None:
+        """Write no row: there is one of this tick."""
+
+    def judge(self, judge: Judge, _encounters: EncounterMonitor) -> None:
+        """Tell of the ground; the replay goes to its end anyway."""
+        self.judge_hull(judge)
+
+    def judge_hull(self, judge: Judge) -> None:
+        """Tell of the ground."""
+        judge.tell_ground()
+
+    def watch(self, orders: Orders) -> None:
+        """Leave the watch's orders to the recording, which has them."""
+
+    def last_tick(self, branch: int) -> int:
+        """Return the last tick of a branch that is recorded."""
+        return self._history.recording.last_tick(branch)
+
+    def end(self) -> Moment:
+        """Return the moment that this replay leads to, and one from here likewise."""
+        return self._end
+
+
+Run = LiveRun | ReplayedRun
+
+
+def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
+    """Return the order that was journalled, None if this version does not understand it.
+
+    That of a schedule is taken from there: a casualty's has more to it than its words.
+    """
+    if entry.place is not None and 0 <= entry.place < len(schedule):
+        return schedule[entry.place].order
+    order = parse(entry.text)
+    return order if isinstance(order, Order) else None
 
 
 @dataclass
@@ -212,7 +297,7 @@ class History:
     recording: Recording | NoRecording
     after: int = 0  # the last order that the present state includes
     place: int = 0  # of the schedule's next entry
-    rerun: Rerun | None = None
+    flown: Run = field(init=False)
     automatic: Moments = field(
         default_factory=lambda: Moments(AUTOMATIC_KEPT, STATE.itemsize), repr=False
     )
@@ -221,6 +306,7 @@ class History:
     _to_world: dict[int, WorldOrder | None] = field(default_factory=lambda: {0: None}, repr=False)
 
     def __post_init__(self) -> None:
+        self.flown = LiveRun(self)
         self._period = max(round(AUTOMATIC_EVERY / self.boat.method.step), 1)
 
     @property
@@ -276,17 +362,18 @@ class History:
     def ticked(self, tick: int) -> bytes:
         """Keep the state after a tick; return it."""
         state = self.boat.plain.tobytes()
-        if self.rerun is None:
-            if self.recording.reachable:  # its new branch begins with this state
-                self.recording.go_on(self.now())
-            else:
-                self.recording.state(tick, state)
-            if tick % self._period == 0:
-                branch = self.recording.branch
-                self.automatic.append(Moment(branch, tick, state, self.after, self.place))
-        elif not self.rerun.different:
-            self._compare(self.rerun, state)
+        self.flown.keep(tick, state)
         return state
+
+    def record(self, tick: int, state: bytes) -> None:
+        """Record the state after a tick of a live run."""
+        if self.recording.reachable:  # its new branch begins with this state
+            self.recording.go_on(self.now())
+        else:
+            self.recording.state(tick, state)
+        if tick % self._period == 0:
+            branch = self.recording.branch
+            self.automatic.append(Moment(branch, tick, state, self.after, self.place))
 
     def keep(self, name: str) -> Reply:
         """Keep the present moment under a name."""
@@ -322,13 +409,9 @@ class History:
         """Return all that has been flown, oldest first; the present one reaches up to now."""
         present, step = self.recording.branch, self.boat.method.step
 
-        def last(branch: int) -> int:
-            flown = self.recording.last_tick(branch)
-            return flown if self.rerun or branch != present else max(flown, self.tick)
-
         return [
             Stretch(
-                *(each.id, each.parent, each.tick * step, last(each.id) * step),
+                *(each.id, each.parent, each.tick * step, self.flown.last_tick(each.id) * step),
                 *(each.why or "the start", each.id == present),
             )
             for each in self.recording.branches()
@@ -370,21 +453,21 @@ class History:
         if moment.branch != self.recording.branch:
             self.automatic.clear()  # the past of another branch
         self.recording.fork(moment, why)
-        self.rerun = None
+        self.flown = LiveRun(self)
         self.automatic.forget_after(self.tick)
 
     def show_again(self, moment: Moment) -> int:
         """Go back to a moment, to fly on from there as it was recorded. Return the orders."""
-        end = self.rerun.end if self.rerun else self.now()
+        end = self.flown.end()
         orders = self.recording.orders(self.recording.branch, moment.after)
-        again = deque(each for each in orders if each.id <= end.after)
+        again = [each for each in orders if each.id <= end.after]
         self._restore(moment)
-        self.rerun = Rerun(again, end, self.boat.time)
+        self.flown = ReplayedRun(self, again, end)
         return len(again)
 
     def take_over(self, why: str) -> None:
         """End a replay here: what follows is a new branch."""
-        self.rerun = None
+        self.flown = LiveRun(self)
         self.recording.fork(self.now(), why)
         self.automatic.forget_after(self.tick)
 
@@ -396,29 +479,11 @@ class History:
             return []
         return [each for each in orders if each.id <= self.after]
 
-    def due(self, schedule: Sequence[Scheduled]) -> Iterator[tuple[Order, str]]:
-        """Yield the orders that a replay gives again at this tick, and who gave each."""
-        rerun = self.rerun
-        while rerun and rerun.orders and rerun.orders[0].tick <= self.tick:
-            entry = rerun.orders.popleft()
-            self.include(entry)
-            order = order_of(entry, schedule)
-            if order is not None:
-                yield order, entry.who
-
-    def arrive(self) -> str:
+    def arrive(self, difference: str) -> str:
         """End a replay that has arrived where it led to; return what became of it."""
-        rerun, self.rerun = self.rerun, None
-        told = "the same to the last bit"
-        if rerun and (rerun.different or rerun.end.state != self._state()):
-            told = rerun.different or "it did not end in the state that it led to"
+        self.flown = LiveRun(self)
+        told = difference or "the same to the last bit"
         return f"replay over at {self.boat.time:g} s: {told}; run goes on from here"
-
-    @property
-    def caught_up(self) -> bool:
-        """Return whether a replay has arrived where it led to; the branch then goes on."""
-        rerun = self.rerun
-        return rerun is not None and self.tick >= rerun.end.tick and not rerun.orders
 
     def _restore(self, moment: Moment) -> None:
         """Take a moment whole; RecordingError with nothing changed."""
@@ -429,14 +494,3 @@ class History:
 
     def _state(self) -> bytes:
         return self.boat.plain.tobytes()
-
-    def _compare(self, rerun: Rerun, state: bytes) -> None:
-        """Note where the replay's state is not the one recorded."""
-        try:
-            recorded = self.recording.moment(self.recording.branch, self.tick)
-        except RecordingError as error:
-            rerun.different = str(error)
-            return
-        # a branch may begin with orders of its own tick, which the replay gives only now
-        if recorded and recorded.after == self.after and recorded.state != state:
-            rerun.different = f"the replay left its recording at tick {self.tick}"

@@ -33,12 +33,13 @@ from trainer.session.header import (
     reading,
     refusing_damage,
 )
-from trainer.session.history import History, WorldOrders, order_of, settle_world, worlds_begun
+from trainer.session.history import History, order_of
 from trainer.session.layout import Unlike, read_state, unlike
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
 from trainer.session.run import Begun, PreparedRun, fly
 from trainer.session.warm_up import set_garbage_aside, warm
+from trainer.session.world_orders import WorldOrders, settle_world, worlds_begun
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,9 @@ from trainer.io.recording.recording import Recording, RecordingError
 from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
 from trainer.session.account import SummaryOptions, account
+from trainer.session.agenda import Agenda
+from trainer.session.attendance import Introduction
+from trainer.session.crew import CrewTalk
 from trainer.session.exercise import Debriefing, Ending, Following, problem_with
 from trainer.session.first_start import compile_beside
 from trainer.session.header import header_of
@@ -34,15 +37,16 @@ from trainer.session.history import History
 from trainer.session.manning import in_hand
 from trainer.session.options import RunOptions
 from trainer.session.page_server import PageServer, serving_pages
+from trainer.session.parts import Monitors
 from trainer.session.plan import OVERRULED, Plan, plan_run
 from trainer.session.ports import PATIENCE, Ports, keeps_no_time
 from trainer.session.rerun.batch import Subject
 from trainer.session.rerun.request import open_log
-from trainer.session.session import Session
+from trainer.session.session import Rows, Session
 from trainer.session.stations.briefing import Briefing
 from trainer.session.stations.past import recalled
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER
-from trainer.session.stations.station import Fact
+from trainer.session.stations.station import Closed, Fact
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
 from trainer.session.stations.view import StateReader
 from trainer.session.time.ledger import SECOND
@@ -224,27 +228,21 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
     wake = threading.Event()
     with contextlib.closing(history.recording), contextlib.ExitStack() as stack:
         stack.callback(publisher.close, PATIENCE)  # also where a port cannot be opened
-        session = Session(
-            boat,
-            time,
-            history,
-            recorder,
-            COLUMNS if options.csv_path else (),
-            sending,
-            schedule=plan.schedule,
-            armed=plan.armed,
-            monitor=LimitMonitor.over(boat, plan.limits),
-            last_tick=last_tick,
-            wake=wake,
-            briefing=(*told.heading(INSTRUCTOR), *situation(plan, boat, options.note)),
-            crew_briefing=(*told.heading(STRANGER), *situation(plan, boat, options.note)),
-            exercise=told,
-            hand=frozenset(plan.hand),
-            hand_from=plan.hand_from,
-            allowed=frozenset(plan.allowed),
-            guard=plan.guard,
-            until_left=options.until_left,
+        here = situation(plan, boat, options.note)
+        introduction = Introduction(
+            (*told.heading(INSTRUCTOR), *here), (*told.heading(STRANGER), *here), told
         )
+        session = Session(
+            *(boat, time, history, sending),
+            Agenda(boat, plan.schedule, plan.armed),
+            crew_talk(plan, boat),
+            Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),
+            wake,
+            introduction,
+            Rows(recorder, COLUMNS if options.csv_path else ()),
+            last_tick,
+        )
+        session.attendance.until_left = options.until_left
         conduct_of(session, prepared, options)
         if log:
             session.event_log.hearers.append(log.hear)
@@ -272,6 +270,12 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
         if log:
             code = max(code, log.account())
         return Ended(code, session.control.following)
+
+
+def crew_talk(plan: Plan, boat: Boat) -> CrewTalk:
+    """Return the words on board: none yet, and what the exercise has worked by hand."""
+    hand, allowed = frozenset(plan.hand), frozenset(plan.allowed)
+    return CrewTalk(boat, hand, plan.hand_from, allowed, plan.guard)
 
 
 def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> None:
@@ -333,14 +337,14 @@ def open_door(
     ports: Ports, session: Session, options: RunOptions, pages: PageServer | None
 ) -> None:
     """Open the sockets for those who come, and greet those who are there."""
-    session.reception = ports.lobby(options)
+    session.attendance.reception = ports.lobby(options) or Closed()
     if options.browse:
         session.event_log.hearers.append(ports.news_printer())
     if pages:
         log, work = session.event_log, session.conduct.work
         pages.attend(ports.nearest(), lambda text: work.post(lambda: log.tell("trouble", text)))
     for station in session.event_log.stations:
-        session.greet(station)
+        session.attendance.greet(station)
 
 
 def open_publisher(boat: Boat, time: Timekeeping, options: RunOptions) -> Publisher | Promptly:

@@ -17,6 +17,7 @@ import numpy as np
 
 from trainer.analysis.bench.tick import Batches, time_batches
 from trainer.boat.boat import Boat
+from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError
 from trainer.core.state import STATE
 from trainer.io.line import Joined, Outbox, writer
@@ -24,8 +25,11 @@ from trainer.io.orders.sentences import order_sentence, read
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
 from trainer.io.server import Server
-from trainer.io.tables import COLUMNS, CsvFile, NoFile
+from trainer.io.tables import COLUMNS, CsvFile
+from trainer.session.agenda import Agenda
+from trainer.session.crew import CrewTalk
 from trainer.session.history import History
+from trainer.session.parts import Monitors
 from trainer.session.session import Session
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
@@ -59,7 +63,10 @@ def session_of(
     """Yield a session whose stations, one for each channel, are told to nobody."""
     keeping = Timekeeping.at(MonotonicClock(), boat.method.step, speed, Policy.CATCH_UP)
     publisher = Publisher(Roster(StateReader(boat, keeping.ledger.summary)))
-    session = Session(boat, keeping, History(boat, recording), NoFile(), (), publisher)
+    session = Session(
+        *(boat, keeping, History(boat, recording), publisher),
+        *(Agenda(boat), CrewTalk(boat), Monitors.over(boat, LimitMonitor())),
+    )
     with Path(os.devnull).open("wb", buffering=0) as sink, contextlib.closing(recording):
         for channel in channels:
             out = Outbox(writer(sink.fileno()))
@@ -170,7 +177,7 @@ def time_orders(boat: Boat, seconds: int, progress: Callable[[int], None]) -> La
         hub = Server(session.wake)
         helmsman = stack.enter_context(ThreadPoolExecutor(1))
         stack.callback(hub.close, PATIENCE)
-        session.reception = Callers(hub, session)
+        session.attendance.reception = Callers(hub, session)
         session.progress = progress
         steered = helmsman.submit(steer, hub.listen(HOST, 0), period, replies)
         run_to(session, round(seconds / period))

@@ -25,13 +25,13 @@ from trainer.io.atomic_write import replacing
 from trainer.io.paths import HOST
 from trainer.io.recording.recording import Recording
 from trainer.session.header import layout_of, plan_of
-from trainer.session.history import settle_world
 from trainer.session.options import RunOptions
 from trainer.session.rerun.batch import Batch, Heard, Rows, Subject, Taken, batch_of
 from trainer.session.rerun.feed import Feed, Log, Sink
 from trainer.session.stations.subscriptions import Promptly, Publisher
 from trainer.session.stations.view import Pace
 from trainer.session.time.ledger import Ledger
+from trainer.session.world_orders import settle_world
 
 if TYPE_CHECKING:
     from trainer.session.rerun.drawing import Drawing

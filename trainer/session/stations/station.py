@@ -7,7 +7,7 @@ order, orders that are not its to give. The rest is handed on, and answered by w
 import math
 import textwrap
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple, Protocol
 
@@ -68,6 +68,16 @@ class Asked:
     order: Order
     heard: Heard
     station: "Station"
+
+
+class Lines(NamedTuple):
+    """A long answer, and its result."""
+
+    lines: Sequence[str]
+    result: str = ""
+
+
+Duty = Callable[[Asked], Reply | Lines | None]  # None: the answer comes later
 
 
 class LateAnswer(NamedTuple):
@@ -392,3 +402,13 @@ class Reception(Protocol):
     def newcomers(self) -> list[Station]:
         """Return those that have come since the last call."""
         ...
+
+
+class Closed:
+    """Nobody comes in by himself."""
+
+    awaited = False
+
+    def newcomers(self) -> list[Station]:
+        """Return nobody."""
+        return []

@@ -1,0 +1,45 @@
+"""Sessions without a command line."""
+
+import threading
+from collections.abc import Sequence
+from typing import Any
+
+from trainer.boat.boat import Boat
+from trainer.boat.limits import LimitMonitor
+from trainer.config.exercise import Armed
+from trainer.io.orders.schedule import Scheduled
+from trainer.io.tables import Columns, NoFile
+from trainer.session.agenda import Agenda
+from trainer.session.attendance import Introduction
+from trainer.session.crew import CrewTalk
+from trainer.session.history import History
+from trainer.session.parts import Monitors
+from trainer.session.session import Rows, Session
+from trainer.session.stations.subscriptions import Sending
+from trainer.session.time.timekeeping import Timekeeping
+
+
+def session_over(
+    boat: Boat,
+    time: Timekeeping,
+    history: History,
+    sending: Sending,
+    *,
+    rows: tuple[Columns, tuple[str, ...]] = (NoFile(), ()),
+    schedule: Sequence[Scheduled] = (),
+    armed: Sequence[Armed] = (),
+    monitor: LimitMonitor | None = None,
+    introduction: Introduction = Introduction(),  # noqa: B008  frozen
+    wake: threading.Event | None = None,
+    by_hand: dict[str, Any] | None = None,
+) -> Session:
+    """Return a session of a boat; ``by_hand`` is what CrewTalk is told of the exercise."""
+    return Session(
+        *(boat, time, history, sending),
+        Agenda(boat, schedule, armed),
+        CrewTalk(boat, **(by_hand or {})),
+        Monitors.over(boat, monitor or LimitMonitor()),
+        wake or threading.Event(),
+        introduction,
+        Rows(*rows),
+    )

@@ -1,0 +1,112 @@
+"""The road of an order: one table of order words, and gates in one order."""
+
+from collections.abc import Callable, Sequence
+
+import pytest
+from helpers.crewed import Crewed
+from helpers.places import ROOT
+
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
+from trainer.session import dispatch
+from trainer.session.dispatch import GATES, ORDERS, Gate, Obeyer, order_table, refusal
+from trainer.session.stations import roles
+from trainer.session.stations.station import Station
+
+
+def understood(words: str) -> Order:
+    """Return the order that words are."""
+    order = parse(words)
+    assert isinstance(order, Order)
+    return order
+
+
+def test_every_order_word_has_one_rule_and_every_rule_an_order_word() -> None:
+    words = [word for _, group in dispatch.GROUPS for word in group]
+    assert sorted(words) == sorted(roles.ORDERS)
+    assert len(words) == len(ORDERS)
+
+
+def test_whatever_is_not_passed_on_has_somebody_who_answers_it(
+    crewed: Callable[..., Crewed],
+) -> None:
+    duties = crewed().session.dispatch.duties
+    answered = {word for word, rule in ORDERS.items() if not rule.passed_on}
+    assert answered - set(duties) == {w for w, rule in ORDERS.items() if rule.obeyer is Obeyer.LINE}
+    assert set(duties) <= answered
+
+
+def test_what_moves_the_boat_or_is_said_on_board_is_journalled() -> None:
+    journalled = {word for word, rule in ORDERS.items() if rule.journalled}
+    assert journalled == BOAT_ORDERS | CREW_TALK | {"plan", "cancel"}
+
+
+def test_the_page_on_stations_has_the_table_of_order_words() -> None:
+    page = (ROOT / "docs" / "stations.md").read_text(encoding="utf-8")
+    assert order_table() in page, f"docs/stations.md lacks this:\n{order_table()}"
+
+
+def shut(ship: Crewed, words: str, station: Station) -> list[Gate]:
+    """Return all gates that are shut to an order."""
+    order = understood(words)
+    return [gate for gate in GATES if gate(order, station, ship.session)]
+
+
+@pytest.mark.parametrize("gate", GATES, ids=lambda gate: gate.__name__)
+def test_each_gate_is_shut_to_what_it_is_there_for_and_to_nothing_else(
+    gate: Gate, crewed: Callable[..., Crewed]
+) -> None:
+    ship = crewed(seconds=None, hand=frozenset({"planes"}))
+    helm, second, visitor = (ship.comes(role) for role in ("pilot", "instructor", "visitor"))
+    at = {each.line: each for each in ship.session.event_log.stations}
+    ship.order("status")  # the first instructor has command
+    prepared: dict[str, tuple[str, Station, Callable[[], object]]] = {
+        "command_gate": ("run", at[second], lambda: None),
+        "quit_gate": ("quit", at[ship.instructor], lambda: None),
+        "visitor_gate": ("restart", at[visitor], lambda: None),
+        "lost_gate": (
+            "step",
+            at[ship.instructor],
+            lambda: setattr(ship.session.control, "failure", "u"),
+        ),
+        "end_gate": ("rudder left 5", at[helm], lambda: ship.order("end exercise")),
+        "hand_gate": ("depth 80", at[helm], lambda: None),
+        "replay_gate": ("rudder left 5", at[helm], lambda: ship.order("replay 2 s")),
+    }
+    words, station, prepare = prepared[gate.__name__]
+    ship.fly(8)
+    prepare()
+    assert shut(ship, words, station) == [gate]
+    assert shut(ship, "status", station) == []
+
+
+def test_of_two_gates_that_are_shut_the_first_one_answers(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None)
+    second = ship.comes("instructor")
+    ship.order("end exercise")
+    station = next(each for each in ship.session.event_log.stations if each.line is second)
+
+    answers = [gate(understood("run"), station, ship.session) for gate in GATES]
+    reasons: Sequence[str] = list(filter(None, answers))
+    assert len(reasons) == 2
+    found = refusal(understood("run"), station, ship.session)
+    assert found is not None
+    assert found.reason == reasons[0]
+    assert "has command" in found.reason
+
+
+def test_a_refused_way_back_leaves_the_end_of_an_exercise_as_it_is(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    ship.fly(20)
+    over = ship.conduct.ending.over
+    assert over
+    assert "no snapshot nowhere" in ship.refused("restore nowhere")
+    assert ship.conduct.ending.over == over
+
+
+def test_a_session_has_few_attributes_and_few_lines(crewed: Callable[..., Crewed]) -> None:
+    source = (ROOT / "trainer" / "session" / "session.py").read_text(encoding="utf-8")
+    assert len(source.splitlines()) <= 280
+    assert len(vars(crewed().session)) <= 18

@@ -1,0 +1,144 @@
+"""The stations of a session: how they come, are told what this is, are heard, and go."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+from trainer.session.agenda import Agenda
+from trainer.session.alarm import Alarm
+from trainer.session.conduct import Conduct
+from trainer.session.crew import CrewTalk
+from trainer.session.event_log import EventLog
+from trainer.session.history import History
+from trainer.session.stations.briefing import Briefing, hint, in_words, ranges
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
+from trainer.session.stations.station import Asked, Closed, Fact, Lines, Reception, Station
+
+MAX_LINES_AT_ONCE: Final = 32  # of one station before the clock is looked at again
+CLOSE_TIMEOUT_S: Final = 0.5  # for a line to get out what it was sent before it is closed
+
+
+@dataclass(frozen=True)
+class Introduction:
+    """What whoever comes is told of a run: by lines for people, and the exercise for programs."""
+
+    instructor: tuple[str, ...] = ()
+    crew: tuple[str, ...] = ()  # and everybody else
+    exercise: Briefing = field(default_factory=Briefing)
+
+
+@dataclass
+class Attendance:
+    """The stations of one session."""
+
+    log: EventLog
+    history: History
+    conduct: Conduct
+    crew: CrewTalk
+    agenda: Agenda
+    introduction: Introduction
+    wake: threading.Event
+    hear: Callable[[Asked], None]  # an order, and takes the steps that it allows
+    reception: Reception = field(default_factory=Closed)
+    until_left: bool = False  # the run ends when the last of those who came by themselves has gone
+
+    def __post_init__(self) -> None:
+        self._alarm = Alarm(self.wake.set)
+
+    def greet(self, station: Station) -> None:
+        """Tell whoever comes what this is."""
+        for line in (*self._briefed(station), hint(station.role, self.crew.hand)):
+            station.line.send(line)
+
+    def brief(self, asked: Asked) -> Lines:
+        """Answer the order ``briefing``: what is told to whoever comes, once more."""
+        station = asked.station
+        self._introduce(station)
+        facts = [] if asked.heard.machine else in_words(self._exercise_facts(station))
+        return Lines((*self._briefed(station), *facts))
+
+    def listen(self) -> None:
+        """Admit newcomers, take what the stations say, and see out who has left."""
+        self.log.strangers.settle()
+        self.conduct.tend()
+        self._admit_newcomers()
+        for station in list(self.log.stations):
+            self.log.heard = station
+            self._take(station)
+            self._alarm.set(station.late)
+            if station.held_up:
+                self._alarm.set(station.held_up)  # what was not taken waits with no word of its own
+            elif station.waiting:
+                self.wake.set()  # others, and the clock, have their turn before the rest
+            elif station.leaving or station.line.ended:
+                self._see_out(station)
+        self.log.heard = None
+        self._alarm.set(self.log.strangers.wait)
+
+    @property
+    def silent(self) -> bool:
+        """Return whether nobody is there, or may come, who could say anything."""
+        ended = all(station.line.ended for station in self.log.stations)
+        return ended and not self.reception.awaited
+
+    def _take(self, station: Station) -> None:
+        """Hear the next lines of a station."""
+        before = station.role, station.settled
+        for asked in station.take(MAX_LINES_AT_ONCE):
+            before = self._entered(station, before)
+            self.hear(asked)
+        self._entered(station, before)
+
+    def _admit_newcomers(self) -> None:
+        """Let those be stations who have come since the last call."""
+        for station in self.reception.newcomers():
+            if station.role is not STRANGER:  # who has to say who it is, is told nothing before
+                self.greet(station)
+            self.log.stations.append(station)
+            self.log.strangers.log("station", f"{station.line.name} has come")
+
+    def _entered(self, station: Station, before: tuple[Role, bool]) -> tuple[Role, bool]:
+        """Greet or introduce a newcomer; return its role, and whether it has said so."""
+        if before[0] is STRANGER and station.role is not STRANGER:
+            self.greet(station)
+        if station.settled and not before[1]:  # an observer's role is the same as before
+            self._introduce(station)
+        return station.role, station.settled
+
+    def _introduce(self, station: Station) -> None:
+        """Tell a program the exercise, the vessel's ranges, and what the crew is ordered."""
+        told = [("exercise", pair) for pair in self._exercise_facts(station)]
+        told += [("range", pair) for pair in ranges(self.history.boat, station.role)]
+        told += [("rate", pair) for pair in station.rate]
+        self.log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
+        self.log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
+        self.log.note(station, self.conduct.outcome_for(station.role))
+        if station.role is INSTRUCTOR:
+            self.log.note(station, self.agenda.facts(self.history.place))
+        self.log.note_alerts(station)
+
+    def _exercise_facts(self, station: Station) -> list[tuple[str, str]]:
+        """Return what there is to tell of the exercise by now, as keys and values."""
+        role, seconds = station.role, self.history.boat.time
+        facts = self.introduction.exercise.facts(role, seconds)
+        return [*facts, *self.crew.conditions(role.name)]
+
+    def _briefed(self, station: Station) -> tuple[str, ...]:
+        """Return what a station is told of the exercise."""
+        told = self.introduction
+        return told.instructor if station.role is INSTRUCTOR else told.crew
+
+    def _see_out(self, station: Station) -> None:
+        """Let a line go: it is closed by a thread of its own, since that may wait."""
+        if not station.visits:
+            return  # a line that the run was begun with is there to its end
+        station.leave()
+        self.log.stations.remove(station)
+        tell = self.log.tell if station.settled else self.log.strangers.log
+        tell("station", f"{station.account()}: {station.leaving or 'gone'}")
+        threading.Thread(target=station.close, args=(CLOSE_TIMEOUT_S,), daemon=True).start()
+        if self.until_left and not any(each.visits for each in self.log.stations):
+            seconds = self.history.boat.time
+            self.log.tell("time", f"ended at {seconds:g} s: the last station has left")
+            self.conduct.control.ended = True

@@ -1,0 +1,353 @@
+"""The road of an order, from a line that comes in to its answer.
+
+1. **Heard.** A station reads a line, and the grammar of ``io/orders`` understands it. What concerns
+   the line alone (``LINE`` below) it does itself, and an order that its role may not give it
+   refuses itself, because a stranger's words go no further than his line.
+2. **Asked.** All else comes to ``Dispatch.hear`` in the thread that ticks, one order at a time.
+   ``refusal`` walks the gates in the order of ``GATES``: who has command, whether it was meant
+   (``quit``), the visitor's, the end of the exercise, what is worked by hand, a replay, a boat that
+   is lost. The first gate that is shut answers. A call of the Python face, and a plan whose time
+   has come, walk the same gates, but come from no station.
+3. **What is due comes before.** The exercise's orders up to this tick are carried out, so that an
+   order finds the boat as the exercise has it. They walk no gate: the exercise may order what it
+   forbids its crew.
+4. **Journalled.** An order that moves the boat, the crew's words or the plans is written into the
+   journal before it acts, with a number: what the state of a moment includes is told by that
+   number alone. The tick does not wait for the disk.
+5. **Obeyed** by who obeys it (``Obeyer``), at the present tick; it acts from the next tick on.
+6. **Answered**: in the journal, at the station, and to all others whose role hears of it.
+
+``ORDERS`` says of each order word who obeys it and which gates it may pass. Nothing else decides
+that: the roles say who may give it, the tables of ``io/orders`` how it is worded.
+
+An order of a recording that is replayed goes in at 5: it was journalled when it was given.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Final, NamedTuple
+
+from trainer.boat.helm import obey
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
+from trainer.io.recording.recording import RecordingError
+from trainer.session.agenda import HEAD as PLANNED
+from trainer.session.crew import SCHEDULE, Telling, role_of
+from trainer.session.event_log import CREW
+from trainer.session.manning import unheard
+from trainer.session.parts import Parts
+from trainer.session.stations.roles import INSTRUCTOR, ROLES
+from trainer.session.stations.station import Asked, Duty, Fact, Lines, Station
+
+
+class Obeyer(Enum):
+    """Who obeys an order. The value is how documents say it."""
+
+    LINE = "the line"
+    BOAT = "the boat"
+    CREW = "the crew"
+    PLANS = "the plans"
+    TIME = "time"
+    PAST = "the past"
+    RECORD = "the record"
+    EXERCISE = "the exercise"
+    COMMAND = "command"
+    QUESTION = "a question"
+
+
+class Rule(NamedTuple):
+    """Who obeys an order word, and the gates that are open to it."""
+
+    obeyer: Obeyer
+    watching: bool = False  # an instructor without command may give it
+    in_replay: bool = True
+    after_end: bool = True  # of the exercise
+    jumps: bool = False  # to another moment, where a new branch begins
+
+    @property
+    def journalled(self) -> bool:
+        """Return whether it is written into the journal before it acts."""
+        return self.obeyer in (Obeyer.BOAT, Obeyer.CREW, Obeyer.PLANS)
+
+    @property
+    def passed_on(self) -> bool:
+        """Return whether the others are told of it with its answer; the rest tells itself."""
+        return self.journalled or self.obeyer in (Obeyer.TIME, Obeyer.PAST, Obeyer.RECORD)
+
+    @property
+    def scheduled(self) -> bool:
+        """Return whether an exercise's schedule may hold it."""
+        return self.passed_on
+
+
+WATCHING: Final = Rule(Obeyer.QUESTION, watching=True)
+NEWS_KINDS: Final = {Obeyer.TIME: "time", Obeyer.PAST: "moment"}  # that everybody hears of
+GROUPS: Final[Sequence[tuple[Rule, Iterable[str]]]] = (
+    (
+        Rule(Obeyer.LINE, watching=True),
+        ("role", "help", "name", "subscribe", "unsubscribe", "detach"),
+    ),
+    (WATCHING, ("status", "briefing", "casualties", "plans", "log", "who", "history")),
+    (WATCHING, ("branches", "snapshots", "mark", "ack")),
+    (Rule(Obeyer.BOAT, in_replay=False, after_end=False), BOAT_ORDERS - CREW_TALK),
+    (Rule(Obeyer.CREW, in_replay=False, after_end=False), BOAT_ORDERS & CREW_TALK),
+    (Rule(Obeyer.CREW, in_replay=False), CREW_TALK - BOAT_ORDERS),
+    (Rule(Obeyer.PLANS, in_replay=False, after_end=False), ("plan",)),
+    (Rule(Obeyer.PLANS, in_replay=False), ("cancel",)),
+    (Rule(Obeyer.TIME), ("freeze", "time", "quit")),
+    (Rule(Obeyer.TIME, after_end=False), ("run", "step")),
+    (
+        Rule(Obeyer.PAST, jumps=True),
+        ("backtrack", "restore", "reset", "again", "restart", "branch"),
+    ),
+    (Rule(Obeyer.PAST), ("replay", "take")),
+    (Rule(Obeyer.RECORD), ("snapshot",)),
+    (Rule(Obeyer.EXERCISE, in_replay=False, after_end=False), ("end",)),
+    (Rule(Obeyer.EXERCISE), ("release-marks", "debrief", "next", "ready")),
+    (Rule(Obeyer.COMMAND, watching=True), ("command",)),
+    (Rule(Obeyer.COMMAND), ("give", "keep")),
+)
+ORDERS: Final[Mapping[str, Rule]] = {word: rule for rule, words in GROUPS for word in words}
+
+
+# The gates: each says why it is shut, "" where it is open.
+
+
+def command_gate(order: Order, station: Station | None, session: Parts) -> str:
+    """Return who else has command: an instructor without it watches, asks and marks."""
+    if station is None or station.role is not INSTRUCTOR or ORDERS[order.name].watching:
+        return ""
+    return session.conduct.command.elsewhere(station)
+
+
+def quit_gate(order: Order, station: Station | None, session: Parts) -> str:
+    """Return that others are there: a session is ended for them by saying so twice."""
+    return session.conduct.unconfirmed(station) if station and order.name == "quit" else ""
+
+
+def visitor_gate(order: Order, station: Station | None, session: Parts) -> str:
+    """Return why a visitor may not begin this run again."""
+    return session.conduct.not_for(station.role) if station and order.name == "restart" else ""
+
+
+def lost_gate(order: Order, _station: Station | None, session: Parts) -> str:
+    """Return where the boat's numbers were lost: it goes on from an earlier moment only."""
+    failure = session.control.failure if order.name in ("run", "step") else ""
+    return f"this boat cannot go on: {failure}; backtrack or reset" if failure else ""
+
+
+def end_gate(order: Order, station: Station | None, session: Parts) -> str:
+    """Return that the exercise is over: time stands still, and the boat obeys nobody."""
+    role = station.role if station else INSTRUCTOR
+    return session.conduct.past_its_end(order, role, after_end=ORDERS[order.name].after_end)
+
+
+def hand_gate(order: Order, _station: Station | None, session: Parts) -> str:
+    """Return what the exercise has worked by hand, and an order would give to the autopilot."""
+    return session.crew.in_hand(order)
+
+
+def replay_gate(order: Order, _station: Station | None, session: Parts) -> str:
+    """Return that a replay is running: what moves the boat there was ordered then."""
+    return "" if ORDERS[order.name].in_replay else session.history.flown.barred
+
+
+Gate = Callable[[Order, Station | None, Parts], str]
+GATES: Final[Sequence[Gate]] = (
+    *(command_gate, quit_gate, visitor_gate),
+    *(lost_gate, end_gate, hand_gate, replay_gate),
+)
+
+
+def refusal(order: Order, station: Station | None, session: Parts) -> Refused | None:
+    """Return why the first gate that is shut to an order is so, None where all are open.
+
+    ``station`` is None for what comes from no line: a plan, or a call of the Python face.
+    """
+    for gate in GATES:
+        if reason := gate(order, station, session):
+            return Refused(reason)
+    return None
+
+
+@dataclass
+class Dispatch:
+    """The orders of one session, on their road."""
+
+    session: Parts
+    duties: Mapping[str, Duty]  # who answers what is not passed on
+    refused: list[str] = field(default_factory=list)  # of the schedule, as it was told
+
+    def hear(self, asked: Asked) -> None:
+        """Answer what a station has asked or ordered, and tell the others."""
+        session, station = self.session, asked.station
+        order = session.crew.meant(asked.order)
+        shut = refusal(order, station, session)
+        if ORDERS[order.name].passed_on:
+            answer = shut or self._carried_out(order, station.who, station)
+            kept = session.event_log.as_kept(answer)
+            station.answer(asked, kept, *self._unheard(order, station, answer))
+            self._pass_on(order, answer, station)
+            return
+        reply = shut or self.duties[order.name](asked)
+        if isinstance(reply, Lines):
+            station.answer(asked, reply.result, *reply.lines)
+        elif reply is not None:
+            station.answer(asked, reply)
+
+    def give(self, order: Order, who: str) -> Reply:
+        """Carry out an order that comes from no station; return what now holds, or why not."""
+        meant = self.session.crew.meant(order)
+        return refusal(meant, None, self.session) or self._carried_out(meant, who)
+
+    def carry_out(
+        self, order: Order, who: str, place: int | None = None, speaker: Station | None = None
+    ) -> Reply:
+        """Journal an order where it is to be, and have it obeyed; return the answer.
+
+        ``place`` is that of the schedule. ``speaker`` is the station that hears its answer, and not
+        what all are told.
+        """
+        session, rule = self.session, ORDERS[order.name]
+        if place is not None and not rule.scheduled:
+            return Refused(f"{order.text} has no place in a schedule")
+        kept = rule.journalled or place is not None or who.startswith(PLANNED)
+        number = session.history.order(who, order, place) if kept else None
+        if rule.journalled:
+            answer = self.obey(order, who, speaker)
+        else:
+            answer = session.control.obey(order, who)
+        if number is not None:
+            session.history.answered(number, answer)
+            session.standing.keep()
+        if rule.obeyer is Obeyer.PAST and not isinstance(answer, Refused):
+            session.arrive()
+        if rule.obeyer in (Obeyer.PAST, Obeyer.TIME):
+            session.shown.show()
+        return answer
+
+    def obey(self, order: Order, who: str, speaker: Station | None = None) -> Reply:
+        """Have the boat, the crew or the plans obey; tell what the crew is to know of it."""
+        session = self.session
+        obeyer = ORDERS[order.name].obeyer
+        if obeyer is Obeyer.PLANS:
+            return session.agenda.obey(order)
+        role = role_of(who)
+        talk = obeyer is Obeyer.CREW
+        tellings = [] if talk else session.crew.wrong_way(order, role)
+        answer = session.crew.obey(order, role) if talk else obey(session.boat, order)
+        if not isinstance(answer, Refused):
+            tellings += session.crew.note(order, who, session.history.tick, answer)
+            self.say(tellings, speaker)
+        session.shown.take_words()
+        if session.time.frozen and not isinstance(answer, Refused):  # no tick comes to show it
+            session.shown.show()
+        return answer
+
+    def say(self, tellings: Sequence[Telling], speaker: Station | None = None) -> None:
+        """Tell what was said; who has said it to the crew has an answer in place of the text."""
+        for telling in tellings:
+            by = speaker if telling.kind == CREW else None
+            self.session.event_log.tell(telling.kind, telling.text, by, telling.fact)
+
+    def obey_watch(self) -> None:
+        """Carry out what this tick calls for from those on watch, the guard among them."""
+        if due := self.session.crew.due_by_hand():
+            answer = self.carry_out(due.order, due.who)
+            self.session.event_log.tell("order", f"{due.why}: {answer}")
+
+    def end_replay(self, outcome: str) -> None:
+        """Let time stand still where a replay has arrived."""
+        self.session.end_replay(outcome)
+
+    # What is due
+
+    def obey_schedule(self) -> None:
+        """Carry out what is due by now: an order acts on the first tick not before its time."""
+        session = self.session
+        for place, entry in session.history.flown.due_of_schedule(session.agenda.schedule):
+            answer = self.carry_out(entry.order, SCHEDULE, place)
+            told = self._tell_due(f"{entry.seconds:g} s", entry.order, answer)
+            if isinstance(answer, Refused):
+                self.refused.append(told)
+
+    def obey_plans(self) -> None:
+        """Carry out the instructors' plans that are due at this tick."""
+        for plan in self.session.agenda.due():
+            answer = self.give(plan.order, f"{PLANNED}{plan.number}")
+            self._tell_due(plan.ahead.moment, plan.order, answer)
+            self.tell_plans()
+
+    def obey_again(self) -> None:
+        """Have what was given at this tick obeyed again, as a replay has it."""
+        session = self.session
+        for order, who in session.history.flown.recorded(session.agenda.schedule):
+            if order.name in BOAT_ORDERS | CREW_TALK:
+                self.obey(order, who)
+            session.agenda.note(order, who, session.boat.time)
+
+    def tell_plans(self, station: Station | None = None) -> None:
+        """Tell an instructor what is ahead; without one all of them, where it has changed."""
+        session, place = self.session, self.session.history.place
+        if station is None and not session.agenda.has_changed(place):
+            return
+        for each in [station] if station else session.event_log.stations:
+            if each.role is INSTRUCTOR:
+                session.event_log.note(each, session.agenda.facts(place))
+
+    def _carried_out(self, order: Order, who: str, speaker: Station | None = None) -> Reply:
+        """Carry out an order that no gate has refused, after what was due before."""
+        try:
+            if order.name in BOAT_ORDERS:
+                self.obey_schedule()
+            if order.name in ("run", "step"):
+                self.session.conduct.go_on(order)
+            return self.carry_out(order, who, speaker=speaker)
+        except RecordingError as error:  # its past cannot be read at present
+            return Refused(str(error))
+
+    def _unheard(self, order: Order, station: Station, answer: Reply) -> list[str]:
+        """Return what follows an answer where nobody is there to carry the order out."""
+        crew, log = self.session.crew, self.session.event_log
+        if isinstance(answer, Refused):
+            return []
+        manned = log.attended_by_others(station)
+        return list(filter(None, [unheard(order, crew.worked, crew.allowed, manned)]))
+
+    def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
+        """Tell the others of an order and its answer, and programs what waits after a jump."""
+        session, rule = self.session, ORDERS[order.name]
+        accepted = not isinstance(answer, Refused)
+        if not (rule.obeyer is Obeyer.CREW and accepted):  # that has been told
+            what = "back" if rule.jumps else "order"
+            session.event_log.pass_on(order, answer, station, NEWS_KINDS.get(rule.obeyer), what)
+        if rule.jumps and accepted:
+            session.event_log.recall(session.crew.unrepeated)
+        self.tell_plans()
+        session.event_log.tell_trouble()
+
+    def _tell_due(self, when: str, order: Order, answer: Reply) -> str:
+        """Tell how an order that was due was answered; what was said to the crew, has been told."""
+        wrong = f"{order.text}: refused: {answer.reason}" if isinstance(answer, Refused) else ""
+        text = f"{when}: {wrong or answer}"
+        if wrong or ORDERS[order.name].obeyer is not Obeyer.CREW:
+            fact = None if wrong else Fact("order", order.text)
+            self.session.event_log.tell("exercise", text, fact=fact)
+        return text
+
+
+def order_table() -> str:
+    """Return the Markdown table of the order words, as docs/stations.md shows it."""
+    rows: dict[tuple[str, ...], list[str]] = {}
+    for word, rule in ORDERS.items():
+        holders = [name for name, role in ROLES.items() if word in role.commands]
+        gates = (rule.journalled, rule.in_replay, rule.after_end, rule.watching)
+        marks = ["yes" if is_open else "no" for is_open in gates]
+        everybody = len(holders) == len(ROLES)
+        row = rule.obeyer.value, *marks, "all" if everybody else ", ".join(holders)
+        rows.setdefault(row, []).append(f"`{word}`")
+    heads = "orders", "obeyed by", "journalled", "in a replay", "after the end", "watching", "roles"
+    lines = [heads, ("---",) * len(heads)]
+    lines += [(", ".join(sorted(words)), *row) for row, words in sorted(rows.items())]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"

@@ -1,0 +1,74 @@
+"""What a session is asked, and answers without changing anything."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from trainer.boat.casualties import available, listing
+from trainer.io.orders.grammar import Reply
+from trainer.session.agenda import Agenda
+from trainer.session.event_log import EventLog
+from trainer.session.history import History
+from trainer.session.shown import Shown
+from trainer.session.stations.roles import INSTRUCTOR
+from trainer.session.stations.station import Asked, Duty, Fact, Lines, News
+
+
+@dataclass
+class Questions:
+    """The questions to one session, and its record of what is seen and marked."""
+
+    history: History
+    log: EventLog
+    agenda: Agenda
+    shown: Shown
+
+    @property
+    def duties(self) -> Mapping[str, Duty]:
+        """Return who answers which question."""
+        return {
+            "status": lambda asked: Lines(self.shown.status(asked.station)),
+            "who": lambda _: Lines([each.account() for each in self.log.stations]),
+            "log": lambda asked: Lines(self.log.lately(asked.station.role, int(asked.order.value))),
+            "casualties": self._casualties,
+            "plans": self._plans,
+            "branches": self._branches,
+            "snapshots": self._snapshots,
+            "mark": self._mark,
+            "ack": lambda asked: self.log.acknowledge(asked.order, asked.station),
+        }
+
+    def _casualties(self, asked: Asked) -> Lines:
+        boat = self.history.boat
+        facts = [Fact("casualty", ",".join(fields)) for fields in available(boat)]
+        self.log.note(asked.station, facts)
+        return Lines(listing(boat))
+
+    def _plans(self, asked: Asked) -> Lines:
+        if asked.station.role is INSTRUCTOR:
+            self.log.note(asked.station, self.agenda.facts(self.history.place))
+        return Lines(self.agenda.listing(self.history.place))
+
+    def _branches(self, asked: Asked) -> Lines:
+        stretches = self.history.branches()
+        for stretch in stretches:
+            now = self.history.tick, self.history.boat.time
+            asked.station.note(News(*now, "moment", "", Fact("branch", stretch.fields)))
+        return Lines([str(stretch) for stretch in stretches])
+
+    def _snapshots(self, asked: Asked) -> str:
+        step = self.history.boat.method.step
+        moments = self.history.snapshots()
+        for name, moment in moments.items():
+            seconds = moment.tick * step
+            asked.station.note(News(moment.tick, seconds, "moment", "", Fact("snapshot", name)))
+        kept = [f"{name} ({moment.tick * step:g} s)" for name, moment in moments.items()]
+        return f"snapshots: {', '.join(kept) or 'none by name'}; backtrack reaches any tick"
+
+    def _mark(self, asked: Asked) -> Reply:
+        """Mark this moment; it is in the file before it is answered."""
+        remark = asked.order.subject
+        self.log.tell("mark", remark or "marked", asked.station, Fact("mark", remark))
+        self.history.recording.flush()
+        answer = self.log.as_kept(f"marked at {self.history.boat.time:g} s")
+        self.log.tell_trouble()
+        return answer

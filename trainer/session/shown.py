@@ -1,0 +1,49 @@
+"""The present moment as screens see it, and how time runs."""
+
+from dataclasses import dataclass, field
+
+from trainer.session.crew import CrewTalk
+from trainer.session.history import History
+from trainer.session.stations.display import panel
+from trainer.session.stations.roles import INSTRUCTOR
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Sending
+from trainer.session.stations.view import Pace, Picture, StateReader
+from trainer.session.status import status_lines
+from trainer.session.time.timekeeping import Timekeeping
+
+
+@dataclass
+class Shown:
+    """What is sent to the screens of one session."""
+
+    history: History
+    time: Timekeeping
+    crew: CrewTalk
+    sending: Sending
+    _pace: Pace = field(default_factory=Pace)  # as it was last shown: what changes it shows it
+    _reader: StateReader = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._reader = StateReader(self.history.boat, self.time.ledger.summary)
+
+    def show(self) -> None:
+        """Show the present moment, and how time runs from here on."""
+        now, time, replaying = self.history.now(), self.time, self.history.flown.replaying
+        self._pace = Pace(time.frozen, time.speed, now.branch, replaying, self.crew.told, now.after)
+        self.sending.offer(now.tick, now.state, self._pace)
+
+    def show_tick(self, tick: int, state: bytes) -> None:
+        """Show a state; time runs as it did."""
+        self.sending.offer(tick, state, self._pace)
+
+    def take_words(self) -> None:
+        """Take the last words to the crew, which are shown with the next state."""
+        self._pace = self._pace._replace(told=self.crew.told)
+
+    def status(self, station: Station) -> list[str]:
+        """Return all about the boat that a station may know."""
+        if station.role is INSTRUCTOR:
+            return status_lines(self.history.boat, self.time.ledger.summary())
+        picture = Picture(self.history.tick, self.history.now().state, self._pace)
+        return panel(station.role.channels, self._reader.frame(picture))
