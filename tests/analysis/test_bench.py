@@ -12,8 +12,8 @@ from click.testing import CliRunner
 
 from trainer.analysis.bench import bench as bench_module
 from trainer.analysis.bench.bench import Figures, bench, cpu_model, pace, render, samples_up
+from trainer.analysis.bench.order_delay import effect
 from trainer.analysis.bench.sections import SECTIONS, LeftOut, Section, or_left_out
-from trainer.analysis.bench.session_tick import effect
 from trainer.analysis.bench.tick import (
     BATCH_NS,
     BATCHES,

@@ -13,14 +13,8 @@ from click.testing import CliRunner, Result
 
 from trainer.analysis.guide import page as guide_page
 from trainer.analysis.guide import programme, trials, verdicts
-from trainer.analysis.guide.contents import (
-    GuideContents,
-    assemble,
-    compare_guides,
-    leaves,
-    load_earlier,
-    write,
-)
+from trainer.analysis.guide.contents import GuideContents, assemble, write
+from trainer.analysis.guide.moves import compare_guides, leaves, load_earlier
 from trainer.analysis.guide.programme import Task, fly_all, legs, legs_of_1969
 from trainer.analysis.guide.summary import render
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, judge_measure
@@ -35,7 +29,7 @@ from trainer.boat.assemble import Method
 from trainer.cli.guide import guide, manoeuvre
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
-from trainer.report.html import find_browser
+from trainer.report.pdf import find_browser
 from trainer.units import KNOT
 
 MADE = "2026-01-01 00:00:00 UTC"

@@ -17,8 +17,9 @@ from trainer.analysis import manoeuvres
 from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, adjust, find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Manoeuvre, fly
 from trainer.analysis.manoeuvres.speeds import UtmostAcceleration
+from trainer.analysis.manoeuvres.steadiness import PullOut
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
-from trainer.analysis.manoeuvres.turns import PullOut, Turn
+from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import (
     DIVE,
     PORT,

@@ -18,13 +18,13 @@ from trainer.analysis.manoeuvres.flight import Conn, fly
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import Watch
-from trainer.analysis.reduce import page, reduction
+from trainer.analysis.reduce import reduction, vessel_text
+from trainer.analysis.reduce.candidates import Crew
 from trainer.analysis.reduce.objective import (
     ADDED_MASSES,
     CONTROLS,
     FURTHEST,
     Candidate,
-    Crew,
     Yardstick,
     multiple,
 )
@@ -524,9 +524,11 @@ def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> N
     names = Candidate(file, "modified").terms
     modified = {name: 0.0 if name in {"X_qq", "Z_w"} else 1.25 for name in names}
     needs = (Need("X_vr", 7.5, "turn, rudder 10 deg, 5 kn", "steady speed"),)
-    tables = page.factor_tables({"modified": modified, "basic": modified}, needs, {"kept": 14})
+    tables = vessel_text.factor_tables(
+        {"modified": modified, "basic": modified}, needs, {"kept": 14}
+    )
 
-    text = page.rewritten(file.text, tables)
+    text = vessel_text.rewritten(file.text, tables)
     back = parse_vessel(text, Path("boat.toml"))
 
     assert back.compact.extra_terms == ("X_vr", "K_pap", "N_rar")
@@ -537,7 +539,7 @@ def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> N
     assert "steady speed in turn, rudder 10 deg, 5 kn: 7.5 of the allowed" in text
     assert "# the hull's data begin here\n[coefficients]" in text
     assert "N_r = 3.0" not in text
-    assert page.rewritten(text, tables) == text
+    assert vessel_text.rewritten(text, tables) == text
 
 
 # --- the verdict and the command

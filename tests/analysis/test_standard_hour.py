@@ -5,18 +5,16 @@ import shutil
 import pytest
 from c_twin.compiler import RECORDS, SAME_BITS, build, header
 
-from trainer.analysis.bench.standard_hour import (
-    digest,
-    fly_standard_hour,
+from trainer.analysis.bench.same_bits import (
     for_level,
     in_a_fleet,
     in_another_process,
     levels_here,
     lines,
     same_bits,
-    standard_boat,
     ways,
 )
+from trainer.analysis.bench.standard_hour import digest, fly_standard_hour, standard_boat
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.boat import Boat
 from trainer.boat.export.targets import NoCompilerError

@@ -13,7 +13,7 @@ from trainer.boat.depths import SEEN
 from trainer.boat.grounding import GENTLE_SINK
 from trainer.config.baseline import digest_of
 from trainer.config.casualties import load_casualties
-from trainer.config.condition import LASTING, compile_conditions
+from trainer.config.derived import LASTING, compile_conditions
 from trainer.config.exercise import load_exercise, parse_exercise
 from trainer.config.files import ConfigError, Place, path_named, read_text, shipped_names
 from trainer.config.reference_crew import HANDS

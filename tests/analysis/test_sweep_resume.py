@@ -14,8 +14,8 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
+from trainer.analysis.sweep.chunks import folder_of
 from trainer.analysis.sweep.job import Batch, Job, differences, fly_chunk, job_of
-from trainer.analysis.sweep.results import folder_of
 from trainer.analysis.sweep.sweep import Chunks, alone, carry_out, processes
 from trainer.cli.main import main
 from trainer.cli.subjects import subject_of
@@ -46,7 +46,7 @@ relative = true
 HOLDER = """
 import sys, time
 from pathlib import Path
-from trainer.analysis.sweep.results import writing_alone
+from trainer.analysis.sweep.chunks import writing_alone
 
 with writing_alone(Path(sys.argv[1])):
     print("holds it", flush=True)

@@ -33,7 +33,7 @@ if __name__ == "__main__":
 SEARCH = """
 import multiprocessing, sys
 from pathlib import Path
-from trainer.analysis.reduce.objective import Crew
+from trainer.analysis.reduce.candidates import Crew
 
 if __name__ == "__main__":
     with Crew(Path("nowhere.toml"), "modified", (), 2) as crew:

@@ -7,9 +7,9 @@ from c_twin import comparison
 from c_twin.compiler import SAME_BITS, build
 
 from bench import control, fleet, footprint, identify, peers, wasm
-from trainer.analysis.bench import standard_hour
+from trainer.analysis.bench import same_bits as whole
+from trainer.analysis.bench.same_bits import SameBits, fly_hour
 from trainer.analysis.bench.sections import Section, or_left_out
-from trainer.analysis.bench.standard_hour import SameBits, fly_hour
 from trainer.boat.export.targets import NoCompilerError
 
 SAMPLES: Final = 2000  # of the records that are fitted
@@ -18,7 +18,7 @@ SAMPLES: Final = 2000  # of the records that are fitted
 def same_bits_as_c() -> SameBits:
     """Return in what bits the standard hour ends, in C as well; NoCompilerError without one."""
     in_c = {f"C, {way.name}": partial(fly_hour, build(way)) for way in SAME_BITS}
-    return standard_hour.same_bits(standard_hour.ways() | in_c)
+    return whole.same_bits(whole.ways() | in_c)
 
 
 SECTIONS: Final = {
@@ -31,7 +31,7 @@ SECTIONS: Final = {
         Section(lambda wanted: control.time_beside_c(wanted.seconds), control.lines),
     ),
     "same_bits": or_left_out(
-        NoCompilerError, Section(lambda _wanted: same_bits_as_c(), standard_hour.lines)
+        NoCompilerError, Section(lambda _wanted: same_bits_as_c(), whole.lines)
     ),
     "side_by_side": Section(lambda wanted: fleet.time_side_by_side(wanted.file), fleet.lines),
     "footprint": Section(lambda _wanted: footprint.footprint(), footprint.lines),

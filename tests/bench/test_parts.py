@@ -17,8 +17,8 @@ from bench import control, footprint, peers, sections, wasm
 from bench import fleet as fleet_module
 from bench.__main__ import bench
 from bench.fleet import SideBySide
+from trainer.analysis.bench.same_bits import levels_here
 from trainer.analysis.bench.sections import Section
-from trainer.analysis.bench.standard_hour import levels_here
 from trainer.analysis.bench.tick import Batches
 from trainer.analysis.fleet.block import follows, ordinary
 from trainer.cli.main import run_command

@@ -15,7 +15,7 @@ from helpers.places import ROOT
 from helpers.shell import FILES, Done, shell_environment, typed, understand
 
 from trainer.cli.main import cli
-from trainer.report.html import find_browser
+from trainer.report.pdf import find_browser
 
 
 def pages(command: click.Command, path: str) -> Iterator[tuple[str, str]]:

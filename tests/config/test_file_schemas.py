@@ -14,7 +14,7 @@ from fuzz.files import SHIP
 from helpers.places import ROOT
 from jsonschema import Draft202012Validator
 
-from trainer.cli.listings import SCHEMAS, schema, schema_of
+from trainer.cli.schema import SCHEMAS, schema, schema_of
 from trainer.config.baseline import BASELINE
 
 CONFIGS = ROOT / "configs"

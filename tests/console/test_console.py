@@ -31,8 +31,8 @@ from textual.strip import Strip
 
 from trainer.console.app import Console
 from trainer.console.client import Barred, Client, Item, Joined, Lost
+from trainer.console.drawing.attitude import turn
 from trainer.console.drawing.chart import limits
-from trainer.console.drawing.gauges import turn
 from trainer.console.entry import Entry, complete, hint, offer
 from trainer.console.journal import Kept, Sample, Trace
 from trainer.console.keys import KEYS, Give, Move, key_tables

@@ -20,7 +20,8 @@ from trainer.config.casualties import (
     load_casualties,
     parse_casualties,
 )
-from trainer.config.condition import QUANTITIES, compile_condition, quantity_table
+from trainer.config.condition import QUANTITIES
+from trainer.config.derived import compile_condition, quantity_table
 from trainer.config.files import ConfigError, Place
 from trainer.core.casualties import KINDS
 from trainer.core.state import CASUALTIES

@@ -43,8 +43,9 @@ from trainer.debrief.page import (
 )
 from trainer.debrief.sections import pressed_together
 from trainer.io.recording.recording import Journalled, Recording
-from trainer.report import html
-from trainer.report.html import HERE, print_pdf
+from trainer.report import html, pdf
+from trainer.report.html import HERE
+from trainer.report.pdf import print_pdf
 from trainer.report.svg import Ground, clock, step_of, thin, ticks
 from trainer.session.header import header_of
 from trainer.session.history import History
@@ -58,7 +59,7 @@ from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
 STYLE = (HERE / "debrief.css").read_text(encoding="utf-8")
-BROWSER = html.find_browser()
+BROWSER = pdf.find_browser()
 browsing = pytest.mark.skipif(BROWSER is None, reason="no Chromium, Chrome or Edge here")
 
 

@@ -24,13 +24,13 @@ from fuzz.fuzz import (
 from fuzz.lines import GRAMMAR
 from trainer.analysis.estimate.boat_file import boat_tables, boat_text, estimate_of
 from trainer.analysis.estimate.boat_file import load as load_drawing
-from trainer.analysis.guide.contents import load_earlier
+from trainer.analysis.guide.moves import load_earlier
 from trainer.analysis.guide.trials import load_published
 from trainer.analysis.programs.evaluate import answers
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method, Records, fit_out
 from trainer.config.casualties import parse_casualties
-from trainer.config.condition import compile_condition
+from trainer.config.derived import compile_condition
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError, Place, read_text
 from trainer.config.nomoto import load_nomoto

@@ -15,7 +15,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import arm
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.world import world_of
-from trainer.config.condition import Loss, compile_condition
+from trainer.config.derived import Loss, compile_condition
 from trainer.config.exercise import Armed, Limits
 from trainer.config.files import Place
 from trainer.config.vessel import load_vessel

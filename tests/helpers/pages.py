@@ -17,7 +17,7 @@ from soak.session_process import Caller
 
 from helpers.installation import installed
 from helpers.places import environment
-from trainer.report.html import find_browser
+from trainer.report.pdf import find_browser
 
 SIZES: Final = {
     "phone": (360, 640),

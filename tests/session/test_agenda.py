@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 from helpers.crewed import PLACE, Crewed, Typist
 
-from trainer.config.condition import compile_condition
+from trainer.config.derived import compile_condition
 from trainer.config.exercise import Armed
 from trainer.core.casualties import KINDS
 from trainer.io.orders.schedule import Scheduled, parse_schedule

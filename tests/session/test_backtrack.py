@@ -24,7 +24,8 @@ from trainer.session.header import header_of, layout_of
 from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
-from trainer.session.replay import bring_up, replay_anyway
+from trainer.session.replay import replay_anyway
+from trainer.session.resume import bring_up
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription

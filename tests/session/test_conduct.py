@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from helpers.crewed import PLACE, Crewed, Typist
 
-from trainer.config.condition import EVERY, Condition
+from trainer.config.derived import EVERY, Condition
 from trainer.config.exercise import load_exercise
 from trainer.config.files import shipped_names
 from trainer.core.state import STATE

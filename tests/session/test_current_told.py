@@ -16,7 +16,7 @@ from trainer.boat.limits import LimitMonitor, chased
 from trainer.boat.world.world import World
 from trainer.cli.boat import Boat as Ship
 from trainer.cli.export import boat_at_start
-from trainer.config.condition import compile_conditions
+from trainer.config.derived import compile_conditions
 from trainer.config.exercise import Limits, parse_exercise
 from trainer.config.files import ConfigError, Place
 from trainer.config.sea import load_sea

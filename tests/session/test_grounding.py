@@ -17,7 +17,7 @@ from trainer.boat.world.world import World
 from trainer.config.bottom import Bottom, read_bottom
 from trainer.config.exercise import Limits
 from trainer.config.files import Place, remembering
-from trainer.debrief.episodes import groundings
+from trainer.debrief.groundings import groundings
 from trainer.debrief.judgement import judge, plain_marks
 from trainer.debrief.rehearsal import Rehearsal, fly
 from trainer.io.chart import DEFAULT

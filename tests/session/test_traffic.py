@@ -17,8 +17,8 @@ from trainer.boat.world.contacts import contacts_in
 from trainer.cli.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.config.world import WorldTables, read_world
-from trainer.debrief.episodes import meet
 from trainer.debrief.rehearsal import fly
+from trainer.debrief.ships_met import meet
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.run import run_boat

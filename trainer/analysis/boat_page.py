@@ -48,6 +48,7 @@ from trainer.session.warm_up import warm
 from trainer.units import KNOT
 
 SEA_STATES: Final = range(9)
+Writes = list[tuple[int, float]]  # places of the state, and what is written there
 
 
 def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
@@ -161,8 +162,6 @@ def grammar() -> dict[str, Any]:
 
 
 # What was recorded
-
-Writes = list[tuple[int, float]]  # places of the state, and what is written there
 
 
 def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:

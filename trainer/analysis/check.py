@@ -24,6 +24,12 @@ LAST = 20.0  # the last of which are averaged
 MOST_TICKS = 20_000  # at whatever speed
 SPREAD = 0.02  # [-] of the yaw rate over them: more is not steady
 PLANES = ("stern", "bow")
+SIDED = ("Y_star", "K_star", "N_star", "K_star_eta")  # [ASSES] equations (2), (4), (6)
+EQUATIONS = ("full", "modified", "basic")
+REGIONS = ("adams2", "euler")
+STEPS = (0.5, 1.0)  # [s] of [ASSES]: modified and basic set
+UNITS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # [kn]
+INTERVALS = 5
 
 
 @dataclass(frozen=True)
@@ -101,9 +107,6 @@ def compare_turns(file: VesselFile) -> Comparison:
     depth = "by the autopilot" if file.autopilot else "not kept, planes as trimmed"
     speed = file.run.start_speed_kn
     return Comparison(rudder, speed, depth, full, modified, percent, problem)
-
-
-SIDED = ("Y_star", "K_star", "N_star", "K_star_eta")  # [ASSES] equations (2), (4), (6)
 
 
 def absent(file: VesselFile, *, kept: bool) -> dict[str, list[str]]:
@@ -205,13 +208,6 @@ def afloat(file: VesselFile) -> Afloat:
         {name: 2.0 * math.pi / float(rate[0]) for name, rate in modes.items() if rate[0] > 0.0},
         {step: substeps(boat.records.vessel, step, 1, boat.records.state) for step in steps},
     )
-
-
-EQUATIONS = ("full", "modified", "basic")
-REGIONS = ("adams2", "euler")
-STEPS = (0.5, 1.0)  # [s] of [ASSES]: modified and basic set
-UNITS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # [kn]
-INTERVALS = 5
 
 
 @dataclass(frozen=True)

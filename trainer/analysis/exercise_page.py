@@ -54,6 +54,20 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.units import KNOT
 
+SKELETON: Final = "exercise-skeleton"
+COMMENTS: Final = {
+    "[initial]": "Where the boat starts; what is left out is the vessel file's.",
+    "[sea]": "As in docs/seas.md; without it a calm.",
+    "[[orders]]": "What is ordered, as it is typed: `order ...` and `tell ...` go to the crew.",
+    "[[casualties]]": "What breaks: names by `trainer casualties`. within_s: later, by the seed.",
+    "[limits]": "The gate: what must not be passed.",
+    "[[scores]]": "How the crew is judged: measures in docs/debrief.md; full marks at full.",
+    "[[crew]]": "What the reference crew does: at_s, when, ordered or then; docs/exercises.md.",
+    "[planesman]": "How it works the planes; all keys in docs/exercises.md.",
+    "[helmsman]": "How it steers.",
+}
+NAMED: Final = re.compile(r'^name = "[^"]*"', re.MULTILINE)
+
 
 @dataclass(frozen=True)
 class Flown:
@@ -186,21 +200,6 @@ def keep(found: Study) -> Path:
     path = baseline_path(found.path)
     write_over(path, write_baseline(baseline_of(found)))
     return path
-
-
-SKELETON: Final = "exercise-skeleton"
-COMMENTS: Final = {
-    "[initial]": "Where the boat starts; what is left out is the vessel file's.",
-    "[sea]": "As in docs/seas.md; without it a calm.",
-    "[[orders]]": "What is ordered, as it is typed: `order ...` and `tell ...` go to the crew.",
-    "[[casualties]]": "What breaks: names by `trainer casualties`. within_s: later, by the seed.",
-    "[limits]": "The gate: what must not be passed.",
-    "[[scores]]": "How the crew is judged: measures in docs/debrief.md; full marks at full.",
-    "[[crew]]": "What the reference crew does: at_s, when, ordered or then; docs/exercises.md.",
-    "[planesman]": "How it works the planes; all keys in docs/exercises.md.",
-    "[helmsman]": "How it steers.",
-}
-NAMED: Final = re.compile(r'^name = "[^"]*"', re.MULTILINE)
 
 
 def write_new(path: Path, name: str | None, source: str | None) -> None:

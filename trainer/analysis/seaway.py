@@ -44,6 +44,10 @@ SLOW: Final = 1e-6  # [1/s2] a departure that doubles in ten minutes or more is 
 FAINT: Final = 3.0  # [-] depth times the peak's number, beyond which little is left
 HIGHEST: Final = 1.86  # [-] of the significant height: sqrt(ln 1000/2), Rayleigh's
 GRID: Final = np.linspace(0.25, 12.0, 20_001)  # [-] of integrals over frequency
+DEPTH_HEADS: Final = (
+    *("depth\n[m]", "swell\n[m/s]", "suction\n[N]"),
+    *("water\n[kg]", "less by\n[N/m]", "doubles\n[s]"),
+)
 
 
 @dataclass(frozen=True)
@@ -243,12 +247,6 @@ def render(report: Report) -> str:
         heads = ["from", *(f"{band.begin:.1f}" for band in bands)]
         lines += table(heads, [["energy", *(figure(band.ratio, ".2f") for band in bands)]])
     return "\n".join(lines)
-
-
-DEPTH_HEADS: Final = (
-    *("depth\n[m]", "swell\n[m/s]", "suction\n[N]"),
-    *("water\n[kg]", "less by\n[N/m]", "doubles\n[s]"),
-)
 
 
 def _depth_row(one: AtDepth) -> tuple[str, ...]:

@@ -6,7 +6,8 @@ from typing import Final, NamedTuple
 
 from trainer.boat.boat import PLACES, Boat
 from trainer.config.casualties import Casualty, severity_rule
-from trainer.config.condition import QUANTITIES, Condition
+from trainer.config.condition import QUANTITIES
+from trainer.config.derived import Condition
 from trainer.config.files import ConfigError, nearest
 from trainer.core import casualties as casualties_module
 from trainer.core.ballast.tanks import BANKS, BLOWN, PUMPS, TANKS
@@ -17,6 +18,23 @@ from trainer.units import KNOT
 
 RULES: Final = ("once", "again")
 LONGEST: Final = 3600.0  # [s] ramp
+SIDES: Final = {"rudder": ("right", "left"), "stern": ("rise", "dive"), "bow": ("rise", "dive")}
+GAUGE_UNITS: Final = {  # what a gauge shows: unit, and its size [SI]
+    "depth-gauge": ("m", 1.0),
+    "gyro": ("deg", math.radians(1.0)),
+    "log": ("kn", KNOT),
+    "sounder": ("m", 1.0),
+}
+SHARES: Final = {  # of kinds that begin or end so: what the amount is a share of
+    "-slow": "of the rate lost",
+    "-free": "of its rate",
+    "-open": "open",
+    "propulsion-lost": "of the turns lost",
+    "pump-": "of the pump lost",
+    "bank-": "of the air bank lost",
+    "blow-": "of the blow lost",
+    "vent-": "of the vent lost",
+}
 
 
 @dataclass(frozen=True)
@@ -118,25 +136,6 @@ def active(boat: Boat) -> list[Active]:
         for i in range(s.casualty.size)
         if s.casualty[i]
     ]
-
-
-SIDES: Final = {"rudder": ("right", "left"), "stern": ("rise", "dive"), "bow": ("rise", "dive")}
-GAUGE_UNITS: Final = {  # what a gauge shows: unit, and its size [SI]
-    "depth-gauge": ("m", 1.0),
-    "gyro": ("deg", math.radians(1.0)),
-    "log": ("kn", KNOT),
-    "sounder": ("m", 1.0),
-}
-SHARES: Final = {  # of kinds that begin or end so: what the amount is a share of
-    "-slow": "of the rate lost",
-    "-free": "of its rate",
-    "-open": "open",
-    "propulsion-lost": "of the turns lost",
-    "pump-": "of the pump lost",
-    "bank-": "of the air bank lost",
-    "blow-": "of the blow lost",
-    "vent-": "of the vent lost",
-}
 
 
 def describe(boat: Boat, kind: str, amount: float) -> str:

@@ -31,6 +31,10 @@ LIGHTEST, HEAVIEST = 5.0, 30.0  # [t] that the ground then carries
 STOPPED: Final = 0.1  # [m/s] command speed of a screw that stands
 
 Read = Callable[[str], float]  # a number of one moment's state [SI], by its name in the layout
+_PLACES: Final = {
+    name: PLACES[name.partition("[")[0]] + (BOTTOM.index(name) if name in BOTTOM else 0)
+    for name in (*NAMES, "theta", "zdot")
+}
 
 
 class Touch(NamedTuple):
@@ -77,12 +81,6 @@ def touch_of(read: Read, length: float) -> Touch:
 def lies_well(load_t: float, u_c: float) -> bool:
     """Return whether a boat lies on the ground well, by load and command speed [m/s]."""
     return LIGHTEST <= load_t <= HEAVIEST and abs(u_c) < STOPPED
-
-
-_PLACES: Final = {
-    name: PLACES[name.partition("[")[0]] + (BOTTOM.index(name) if name in BOTTOM else 0)
-    for name in (*NAMES, "theta", "zdot")
-}
 
 
 class Call(NamedTuple):

@@ -34,6 +34,18 @@ REASONS: Final = (
     "the flow is further off the bow than the boat was ever tested",
     "the boat goes astern or across the flow; what it does now is an estimate",
 )
+BEYOND: Final = {  # what passing each limit is called; depth grows downwards
+    "depth_m_max": "deeper than {:g} m",
+    "depth_m_min": "shallower than {:g} m",
+    "pitch_deg_max": "pitch more than {:g} deg",
+    "heel_deg_max": "heel more than {:g} deg",
+    "speed_kn_max": "faster than {:g} kn",
+    "speed_kn_min": "slower than {:g} kn",
+    "speed_over_ground_kn_max": "faster than {:g} kn over the ground",
+    "validity_level_max": "validity level above {:g}",
+    "clearance_m_min": "less than {:g} m of water under the keel",
+    "cpa_m_min": "nearer than {:g} m to a ship",
+}
 
 
 def over_ground(s: Any) -> float:
@@ -48,20 +60,6 @@ SEEN: Final[dict[str, Callable[[Any], float]]] = {
     "speed_kn": lambda s: float(s.u) / KNOT,
     "speed_over_ground_kn": lambda s: over_ground(s) / KNOT,
     "validity_level": lambda s: float(s.validity),
-}
-
-
-BEYOND: Final = {  # what passing each limit is called; depth grows downwards
-    "depth_m_max": "deeper than {:g} m",
-    "depth_m_min": "shallower than {:g} m",
-    "pitch_deg_max": "pitch more than {:g} deg",
-    "heel_deg_max": "heel more than {:g} deg",
-    "speed_kn_max": "faster than {:g} kn",
-    "speed_kn_min": "slower than {:g} kn",
-    "speed_over_ground_kn_max": "faster than {:g} kn over the ground",
-    "validity_level_max": "validity level above {:g}",
-    "clearance_m_min": "less than {:g} m of water under the keel",
-    "cpa_m_min": "nearer than {:g} m to a ship",
 }
 
 

@@ -21,6 +21,15 @@ ACCELERATED = MOTION[:6]
 VERTICAL = (*LONGITUDINAL, "z")
 
 Matrix = NDArray[np.float64]
+GROUPS = {
+    "surge": ("u",),
+    "pitch": ("w", "q", "theta"),
+    "roll": ("p", "phi"),
+    "sway-yaw": ("v", "r"),
+}
+# [1/s] An eigenvalue this near the imaginary axis neither grows nor decays: it is as large as the
+# difference quotients' own error.
+NEUTRAL = 1e-7
 
 
 @dataclass(frozen=True)
@@ -176,17 +185,6 @@ def respond(boat: Boat, nudge: float = 1e-5) -> Response:
             if name in ACCELERATED:  # the sweep is linear in them: any size does
                 G[:, column] = slope("rates", places[column], 1.0)
     return Response(names, J, G)
-
-
-GROUPS = {
-    "surge": ("u",),
-    "pitch": ("w", "q", "theta"),
-    "roll": ("p", "phi"),
-    "sway-yaw": ("v", "r"),
-}
-# [1/s] An eigenvalue this near the imaginary axis neither grows nor decays: it is as large as the
-# difference quotients' own error.
-NEUTRAL = 1e-7
 
 
 @dataclass(frozen=True)

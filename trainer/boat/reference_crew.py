@@ -17,7 +17,8 @@ from trainer.boat.crew_orders import AXES
 from trainer.boat.helm import obey
 from trainer.boat.limits import showing
 from trainer.boat.world.scope import eye_height
-from trainer.config.condition import QUANTITIES, Condition
+from trainer.config.condition import QUANTITIES
+from trainer.config.derived import Condition
 from trainer.config.reference_crew import HANDS, MARK, Crew, CrewRule
 from trainer.io.orders.grammar import Order, Reply, parse
 

@@ -13,6 +13,8 @@ from trainer.core.sea.sea import DIRECTION, GAMMA, HEIGHT, OMEGA, PEAKED
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
+PARTS: Final = ("depth", "position", "tanks")
+
 
 def order_sea(boat: Boat, order: Order) -> Reply:
     """Raise, turn or calm the sea."""
@@ -64,9 +66,6 @@ def sea_text(quantities: Numbers) -> str:
     origin = round(math.degrees(quantities[DIRECTION]) + 180.0) % 360
     period = 2.0 * math.pi / quantities[OMEGA]
     return f"{quantities[HEIGHT]:.3g} m, peak at {period:.1f} s, from {origin:03d}"
-
-
-PARTS: Final = ("depth", "position", "tanks")
 
 
 def hold(boat: Boat, order: Order) -> Reply:

@@ -12,6 +12,17 @@ import click
 from trainer.cli.options import together
 from trainer.cli.types import File
 
+PLOT: Final = File(".png", ".svg", ".pdf", dir_okay=False)
+outputs = together(  # how the answer is shown
+    click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON."),
+    click.option(
+        "--plot",
+        type=PLOT,
+        metavar="FILE",
+        help="Draw a plot, .png, .svg or .pdf by the name's ending.",
+    ),
+)
+
 
 class Number(click.FloatRange):
     """A number within limits; "nan", which passes any comparison, is none."""
@@ -26,16 +37,6 @@ class Number(click.FloatRange):
 
 AHEAD: Final = Number(0.0, 60.0, min_open=True)  # [kn]
 SPEED: Final = Number(0.0, 60.0)  # [kn] rest included
-PLOT: Final = File(".png", ".svg", ".pdf", dir_okay=False)
-outputs = together(  # how the answer is shown
-    click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON."),
-    click.option(
-        "--plot",
-        type=PLOT,
-        metavar="FILE",
-        help="Draw a plot, .png, .svg or .pdf by the name's ending.",
-    ),
-)
 
 
 def json_of(value: Any) -> str:

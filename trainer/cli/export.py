@@ -32,6 +32,7 @@ boat_options = together(
     sea_option("Of the start. [default: calm]", "calm"),
     seed_option("Seed of all random numbers."),
 )
+STATIONS = ("instructor", "pilot", "helm", "planes", "ballast", "diving", "observer")
 
 
 @click.command(name="export-core")
@@ -87,9 +88,6 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
     if missing:
         click.echo(f"trainer: {missing}", err=True)
         sys.exit(1)
-
-
-STATIONS = ("instructor", "pilot", "helm", "planes", "ballast", "diving", "observer")
 
 
 @click.command(name="export-page")

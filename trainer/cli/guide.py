@@ -247,24 +247,24 @@ def guide(vessel: str, **options: Any) -> None:
     VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the modified
     set is out of tolerance; trainer reduce finds one that is not.
     """
-    from trainer.analysis.guide import contents, page, summary
+    from trainer.analysis.guide import moves, page, summary
     from trainer.analysis.guide.programme import legs, legs_of_1969
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
     baseline = options["baseline"]
-    earlier = contents.load_earlier(baseline, file.name) if baseline else None
+    earlier = moves.load_earlier(baseline, file.name) if baseline else None
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     choose = legs_of_1969 if options["programme"] == "1969" else legs
     book = write_guide(file, choose(file, options["depth"]), made, options["cores"])
     now = json.loads(json_of(asdict(book.guide)))
-    moves = None if earlier is None else contents.compare_guides(earlier, now)
-    write_document(page.render(book, moves), options["html"], options["pdf"])
+    moved = None if earlier is None else moves.compare_guides(earlier, now)
+    write_document(page.render(book, moved), options["html"], options["pdf"])
     if options["as_json"]:
-        told = {} if moves is None else {"moved": [asdict(one) for one in moves]}
+        told = {} if moved is None else {"moved": [asdict(one) for one in moved]}
         click.echo(json_of({**now, **told}))
     else:
-        click.echo(summary.render(book.guide, moves))
+        click.echo(summary.render(book.guide, moved))
     sys.exit(0 if book.guide.passed else 1)
 
 
@@ -282,7 +282,7 @@ def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
     """Write the page and print it, where asked for; ConfigError if that cannot be."""
     import tempfile
 
-    from trainer.report.html import print_pdf
+    from trainer.report.pdf import print_pdf
 
     if html is None and pdf is None:
         return

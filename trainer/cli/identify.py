@@ -34,6 +34,61 @@ SYSTEM: Final = File(".toml", ".py")
 TURNS: Final = File(".toml", ".csv")
 FITS: Final = "the kernels of fits, once (up to a minute)"
 POSITIVE: Final = Number(0.0, 1e6, min_open=True)
+strength_option = click.option(
+    "--prior-strength",
+    type=Number(0.0, 100.0),
+    default=0.5,
+    show_default=True,
+    help="Widths of what books say of a ship, times this; 0 for no book.",
+)
+model_options = together(
+    click.option(
+        "--model",
+        type=click.Choice((*MODELS, *ships.MODELS)),
+        help="1 sway and yaw, 2 sway, 3 yaw, Nomoto's, or with speed and --ship the last four. "
+        "[default: the study's]",
+    ),
+    click.option("--vessel", type=VESSEL, help=VESSEL_HELP),
+    click.option("--length", type=POSITIVE, help="Of the ship, metres."),
+    click.option("--at", "knots", type=AHEAD, help="Speed, knots."),
+    click.option(
+        "--output",
+        "channels",
+        type=click.Choice((*CHANNELS, "bow_sway", "stern_sway")),
+        multiple=True,
+        help="What to fit, may be repeated. [default: all the model has]",
+    ),
+    click.option(
+        "--noise",
+        type=click.Choice(("output-error", "innovations", "covariance")),
+        help="[default: covariance]",
+    ),
+    click.option(
+        "--method",
+        type=click.Choice(("scoring", "bfgs", "direct")),
+        help="Minimiser. [default: scoring, by BFGS where it gets no further]",
+    ),
+    click.option("--exact", is_flag=True, help="Add no sensor noise to a recording's exact state."),
+    click.option("--system", type=SYSTEM, help="Your own: matrices, or a program."),
+    click.option(
+        "--reject",
+        type=Number(0.0, 0.5, min_open=True),
+        metavar="P",
+        help="Leave samples out that are less probable.",
+    ),
+    click.option("--every", type=click.IntRange(1, 1000), help="Thin the record."),
+    click.option("--from", "begin", type=Number(), help="First second."),
+    click.option("--to", "end", type=Number(), help="Last second."),
+)
+of_ships = together(
+    click.option("--ship", type=Name("ships"), help="For linear to mmg, its file."),
+    strength_option,
+    click.option(
+        "--predict", type=RECORD, multiple=True, help="A record held back, may be repeated."
+    ),
+    click.option("--write-ship", type=TOML, help="Write the ship; it sails."),
+    click.option("--coefficients", type=CSV, help="Write them and their covariance."),
+)
 
 
 class Angles(click.ParamType[tuple[float, float]]):
@@ -81,13 +136,6 @@ sensor_options = together(
     sensor("heading", 0.1, "Of the compass, degrees."),
 )
 
-strength_option = click.option(
-    "--prior-strength",
-    type=Number(0.0, 100.0),
-    default=0.5,
-    show_default=True,
-    help="Widths of what books say of a ship, times this; 0 for no book.",
-)
 
 sequence_options = together(
     click.option("--amplitude", type=POSITIVE, default=5.0, show_default=True, help="Degrees."),
@@ -237,58 +285,6 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
         write_track(sailed, csv)
     report = page.report_of(sailed, smooth=smooth)
     show(report, page.render, lambda: page.panels(sailed), options)
-
-
-model_options = together(
-    click.option(
-        "--model",
-        type=click.Choice((*MODELS, *ships.MODELS)),
-        help="1 sway and yaw, 2 sway, 3 yaw, Nomoto's, or with speed and --ship the last four. "
-        "[default: the study's]",
-    ),
-    click.option("--vessel", type=VESSEL, help=VESSEL_HELP),
-    click.option("--length", type=POSITIVE, help="Of the ship, metres."),
-    click.option("--at", "knots", type=AHEAD, help="Speed, knots."),
-    click.option(
-        "--output",
-        "channels",
-        type=click.Choice((*CHANNELS, "bow_sway", "stern_sway")),
-        multiple=True,
-        help="What to fit, may be repeated. [default: all the model has]",
-    ),
-    click.option(
-        "--noise",
-        type=click.Choice(("output-error", "innovations", "covariance")),
-        help="[default: covariance]",
-    ),
-    click.option(
-        "--method",
-        type=click.Choice(("scoring", "bfgs", "direct")),
-        help="Minimiser. [default: scoring, by BFGS where it gets no further]",
-    ),
-    click.option("--exact", is_flag=True, help="Add no sensor noise to a recording's exact state."),
-    click.option("--system", type=SYSTEM, help="Your own: matrices, or a program."),
-    click.option(
-        "--reject",
-        type=Number(0.0, 0.5, min_open=True),
-        metavar="P",
-        help="Leave samples out that are less probable.",
-    ),
-    click.option("--every", type=click.IntRange(1, 1000), help="Thin the record."),
-    click.option("--from", "begin", type=Number(), help="First second."),
-    click.option("--to", "end", type=Number(), help="Last second."),
-)
-
-
-of_ships = together(
-    click.option("--ship", type=Name("ships"), help="For linear to mmg, its file."),
-    strength_option,
-    click.option(
-        "--predict", type=RECORD, multiple=True, help="A record held back, may be repeated."
-    ),
-    click.option("--write-ship", type=TOML, help="Write the ship; it sails."),
-    click.option("--coefficients", type=CSV, help="Write them and their covariance."),
-)
 
 
 @click.command(cls=Deeper)

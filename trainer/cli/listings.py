@@ -2,15 +2,13 @@
 
 import json
 from collections.abc import Mapping
-from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
 import click
 
-from trainer.cli.answers import write_text
-from trainer.cli.options import EXERCISE, FILE, TOML
-from trainer.cli.types import Choice, Commands
+from trainer.cli.options import EXERCISE, TOML
+from trainer.cli.types import Commands
 
 WIDTH: Final = 79  # [columns] of a line at most
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
@@ -190,41 +188,3 @@ def instruments(*, sample: bool, as_json: bool) -> None:
         click.echo(json.dumps(lines, indent=1) if as_json else "\n".join(lines))
         return
     click.echo(json.dumps(nmea_page.as_json(), indent=1) if as_json else nmea_page.page())
-
-
-# The command that gives editors what a file may say.
-
-
-SCHEMAS: Final = {  # the module that makes the schema of a kind of file
-    **dict.fromkeys(("vessel", "hull", "exercise", "sea", "casualties"), "config.file_schemas"),
-    "study": "analysis.sweep.study",
-    "identification": "identify.record.study",
-    "ship": "config.ship",
-}
-
-
-def schema_of(kind: str) -> dict[str, Any]:
-    """Return the JSON Schema of a kind of file."""
-    made: dict[str, Any] = getattr(import_module(f"trainer.{SCHEMAS[kind]}"), f"{kind}_schema")()
-    return made
-
-
-@click.command()
-@click.argument("kind", type=Choice(tuple(SCHEMAS)), metavar="KIND")
-@click.option("-o", "--output", type=FILE, metavar="FILE", help="Write it there.")
-def schema(kind: str, output: Path | None) -> None:
-    """Print the JSON Schema of a kind of file, by which editors complete and underline.
-
-    \b
-    Example:  trainer schema exercise -o exercise.schema.json
-              trainer schema vessel
-
-    A study is what `trainer sweep` flies, an identification what `trainer identify` fits, a
-    ship what its models linear to mmg take and write.
-    """
-    text = json.dumps(schema_of(kind), indent=1)
-    if output is None:
-        click.echo(text)
-        return
-    write_text(output, f"{text}\n")
-    click.echo(f"{output} written; first line of your file: #:schema ./{output.name}")

@@ -18,14 +18,58 @@ from trainer.cli import (
     programs,
     recordings,
     run,
+    schema,
     sweep,
     vessel,
+    web,
 )
 from trainer.cli.moved import name_successor
 from trainer.cli.types import Commands
 from trainer.config.files import ConfigError
 
 LIBRARIES = ("numpy", "numba", "pyserial", "click", "textual")
+SECTIONS: Final = {
+    "Train": (run.run, run.serve, run.attach, run.station, web.web),
+    "Exercises": (
+        listings.exercises,
+        listings.exercise,
+        listings.casualties,
+        listings.seas,
+        vessel.sea,
+    ),
+    "Recordings": (
+        recordings.debrief,
+        recordings.recordings,
+        run.resume,
+        recordings.replay,
+        recordings.export,
+    ),
+    "A boat": (
+        listings.vessels,
+        vessel.vessel,
+        estimate.estimate,
+        vessel.check,
+        *guide.GUIDING,
+        vessel.reduce,
+        vessel.gains,
+    ),
+    "The programs of 1969": programs.PROGRAMS,
+    "Many boats": (sweep.sweep,),
+    "A ship from its recordings": (
+        identify.identify,
+        identify.prbs,
+        identify.decca,
+        identify.steering,
+    ),
+    "This machine, and others": (
+        bench.bench,
+        vessel.evaluate,
+        listings.instruments,
+        schema.schema,
+        export.export_core,
+        export.export_page,
+    ),
+}
 
 
 def versions() -> str:
@@ -63,48 +107,6 @@ def cli() -> None:
     """
 
 
-SECTIONS: Final = {
-    "Train": (run.run, run.serve, run.attach, run.station, run.web),
-    "Exercises": (
-        listings.exercises,
-        listings.exercise,
-        listings.casualties,
-        listings.seas,
-        vessel.sea,
-    ),
-    "Recordings": (
-        recordings.debrief,
-        recordings.recordings,
-        run.resume,
-        recordings.replay,
-        recordings.export,
-    ),
-    "A boat": (
-        listings.vessels,
-        vessel.vessel,
-        estimate.estimate,
-        vessel.check,
-        *guide.GUIDING,
-        vessel.reduce,
-        vessel.gains,
-    ),
-    "The programs of 1969": programs.PROGRAMS,
-    "Many boats": (sweep.sweep,),
-    "A ship from its recordings": (
-        identify.identify,
-        identify.prbs,
-        identify.decca,
-        identify.steering,
-    ),
-    "This machine, and others": (
-        bench.bench,
-        vessel.evaluate,
-        listings.instruments,
-        listings.schema,
-        export.export_core,
-        export.export_page,
-    ),
-}
 for title, commands in SECTIONS.items():
     cli.add_section(title, commands)
 

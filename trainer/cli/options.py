@@ -31,6 +31,20 @@ VESSEL: Final = Name("vessels")
 SEA: Final = Name("seas")
 EXERCISE: Final = Name("exercises")
 STUDY: Final = Name("studies")
+cores_option = click.option(
+    "--cores", type=click.IntRange(1, 256), help="Processors to use. [default: all]"
+)
+WEB: Final = f"{HOST}:{PAGES}"
+connect_option = click.option(
+    "--connect",
+    "url",
+    metavar="URL",
+    help="tcp://HOST:PORT, the path of a local socket, or a serial line. "
+    "[default: this machine's session]",
+)
+teletype_option = click.option(
+    "--teletype", is_flag=True, help="Plain lines instead of a screen, also on a terminal."
+)
 
 
 def together(*options: Decorator) -> Decorator:
@@ -54,10 +68,6 @@ def seed_option(text: str) -> Decorator:
     seeds = click.IntRange(0, 2**53 - 1)
     return click.option("--seed", type=seeds, default=1, show_default=True, help=text)
 
-
-cores_option = click.option(
-    "--cores", type=click.IntRange(1, 256), help="Processors to use. [default: all]"
-)
 
 method_options = together(
     click.option(
@@ -283,8 +293,6 @@ def port_options(*, listen: str | None, socket: str | None) -> Decorator:
     )
 
 
-WEB: Final = f"{HOST}:{PAGES}"
-
 certificate_options = together(
     click.option("--cert", type=FILE, help="Certificate of the pages, for https."),
     click.option("--key", type=FILE, help="Its key."),
@@ -310,21 +318,10 @@ web_serve_options = together(
     certificate_options,
 )
 
-connect_option = click.option(
-    "--connect",
-    "url",
-    metavar="URL",
-    help="tcp://HOST:PORT, the path of a local socket, or a serial line. "
-    "[default: this machine's session]",
-)
 
 connect_options = together(
     connect_option,
     click.option("--token", help="The word that this session asks for."),
-)
-
-teletype_option = click.option(
-    "--teletype", is_flag=True, help="Plain lines instead of a screen, also on a terminal."
 )
 
 

@@ -9,6 +9,35 @@ import click
 from trainer.cli.answers import AHEAD, SPEED, Number, outputs, show
 from trainer.cli.options import CSV, VESSEL, together
 
+COMMAND: Final = Number(-60.0, 60.0)
+MEAN: Final = Number(0.0, 50.0)
+SPEEDS: Final = click.option(
+    "--speed",
+    "speeds",
+    type=AHEAD,
+    multiple=True,
+    metavar="KN",
+    help="Speed in knots, may be repeated. [default: about six over the boat's range]",
+)
+DEPTH: Final = click.option(
+    "--depth",
+    type=Number(0.0, 12000.0),
+    metavar="M",
+    help="Depth of the origin under a calm surface. [default: deep water]",
+)
+mean_options = together(  # which average motions into the linear coefficients
+    *(
+        click.option(
+            f"--mean-{name}",
+            type=MEAN,
+            default=0.0,
+            show_default=True,
+            help=f"Mean |{name}| [{unit}], for the quasi-linear coefficients.",
+        )
+        for name, unit in {"v": "m/s", "w": "m/s", "p": "rad/s", "q": "rad/s", "r": "rad/s"}.items()
+    )
+)
+
 
 @click.command()
 @click.argument("full", type=CSV)
@@ -123,26 +152,6 @@ def starting_roots(t: Any, y: Any, options: dict[str, Any]) -> tuple[list[comple
     return one_of_each(linear.eigenvalues), f"{program}, {vessel} at {speed:g} kn"
 
 
-COMMAND: Final = Number(-60.0, 60.0)
-MEAN: Final = Number(0.0, 50.0)
-
-SPEEDS: Final = click.option(
-    "--speed",
-    "speeds",
-    type=AHEAD,
-    multiple=True,
-    metavar="KN",
-    help="Speed in knots, may be repeated. [default: about six over the boat's range]",
-)
-
-DEPTH: Final = click.option(
-    "--depth",
-    type=Number(0.0, 12000.0),
-    metavar="M",
-    help="Depth of the origin under a calm surface. [default: deep water]",
-)
-
-
 def speeds_of(file: Any, given: tuple[float, ...]) -> tuple[float, ...]:
     """Return the speeds [kn] given, or round ones over the vessel's range."""
     from trainer.analysis.check import round_speeds
@@ -247,20 +256,6 @@ def tanks(vessel: str, fills: tuple[tuple[str, float], ...], **how: Any) -> None
         raise click.UsageError(f"--fill {twice[0]} is given twice")
     report = program.fillings(load_vessel(vessel), dict(fills))
     show(report, program.render, lambda: program.panels(report), how)
-
-
-mean_options = together(  # which average motions into the linear coefficients
-    *(
-        click.option(
-            f"--mean-{name}",
-            type=MEAN,
-            default=0.0,
-            show_default=True,
-            help=f"Mean |{name}| [{unit}], for the quasi-linear coefficients.",
-        )
-        for name, unit in {"v": "m/s", "w": "m/s", "p": "rad/s", "q": "rad/s", "r": "rad/s"}.items()
-    )
-)
 
 
 @click.command()

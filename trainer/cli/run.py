@@ -6,16 +6,13 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from trainer.cli.options import (
     EXERCISE,
     RECORDING,
-    WEB,
-    certificate_options,
-    connect_option,
     connect_options,
     console_options,
     exercise_options,
@@ -30,13 +27,26 @@ from trainer.cli.options import (
     web_serve_options,
     without_console,
 )
-from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
 from trainer.io.paths import HOST, PAGES, PORT
 from trainer.session.options import RunOptions
 
 if TYPE_CHECKING:
     from trainer.session.exercise import Debriefing
+from trainer.cli.web import require_pages
+
+Begin = Callable[[RunOptions], NoReturn]
+ROLES = (
+    "instructor",
+    "helm",
+    "planes",
+    "pilot",
+    "ballast",
+    "diving",
+    "observer",
+    "visitor",
+    "scope",
+)  # see stations.roles
 
 
 @click.command()
@@ -105,9 +115,6 @@ def refuse_other_screens(asked: RunOptions) -> None:
         )
     if asked.url:
         raise ConfigError(f"--web: add --line instructor={asked.url} in place of --serial")
-
-
-Begin = Callable[[RunOptions], NoReturn]
 
 
 def set_out(
@@ -249,24 +256,11 @@ def resume(file: Path, *, anyway: bool, teletype: bool, **options: Any) -> None:
     options["frozen"] = options["frozen"] or not options["headless"]
 
     def go_on(chosen: RunOptions) -> NoReturn:
-        from trainer.session.replay import resume_boat
+        from trainer.session.resume import resume_boat
 
         sys.exit(resume_boat(file, chosen, debriefing(), anyway=anyway))
 
     set_out(run_options(options), go_on, lambda asked: asked, teletype=teletype)
-
-
-ROLES = (
-    "instructor",
-    "helm",
-    "planes",
-    "pilot",
-    "ballast",
-    "diving",
-    "observer",
-    "visitor",
-    "scope",
-)  # see stations.roles
 
 
 @click.command()
@@ -314,56 +308,3 @@ def be(url: str | None, role: str, token: str | None, *, teletype: bool) -> int:
     from trainer.session.attach import attach_to
 
     return attach_to(url, role, token)
-
-
-# The command that serves the pages of a session.
-
-
-PAGES_NEED: Final = ("starlette", "uvicorn", "websockets", "segno")  # libraries of the extra
-
-
-@click.command()
-@connect_option
-@click.option(
-    "--web",
-    "address",
-    default=WEB,
-    show_default=True,
-    metavar="HOST:PORT",
-    help="Where the pages are; beyond this machine only for a session with --token.",
-)
-@certificate_options
-@click.option("--open/--no-open", "opens", default=True, help="Open them in a browser here.")
-@click.option("--owner", type=int, hidden=True)  # see page_server
-def web(
-    *,
-    url: str | None,
-    address: str,
-    cert: Path | None,
-    key: Path | None,
-    opens: bool,
-    owner: int | None,
-) -> None:
-    """Serve the stations of a running session as pages for browsers.
-
-    \b
-    Example:  trainer web
-              trainer web --connect tcp://bridge:17800 --web 0.0.0.0:8080
-
-    It goes on when the session ends, and serves the next that begins there. `trainer run --web`
-    and `trainer serve --web HOST:PORT` begin both at once. Ctrl-C ends it, exit code 0.
-    """
-    require_pages("trainer web")
-    from trainer.web import launch
-
-    certificate = launch.certificate_of(cert, key)
-    if owner is None or url is None:
-        launch.serve_pages(url, address, certificate, opens=opens)
-    else:
-        launch.serve_owner(url, address, certificate, owner, opens=opens)
-
-
-def require_pages(asked: str) -> None:
-    """Check that the libraries of the pages are installed; ConfigError naming their extra."""
-    for library in PAGES_NEED:
-        require_library(library, asked)

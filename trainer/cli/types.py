@@ -11,6 +11,8 @@ from typing import Any, Final
 import click
 from click.shell_completion import CompletionItem
 
+PLAIN: Final = re.compile(r"[\w./~+:@%-]+")  # a name that no shell has to quote
+
 
 class Commands(click.Group):
     """A group that lists its commands by section. It answers a mistyped one with the nearest."""
@@ -130,9 +132,6 @@ class Speed(click.ParamType[float]):
         if not 0.1 <= factor <= 100.0:
             self.fail(f"{value!r} is not a speed of time: 0.1 to 100, or max", param, ctx)
         return factor
-
-
-PLAIN: Final = re.compile(r"[\w./~+:@%-]+")  # a name that no shell has to quote
 
 
 class File(click.Path):

@@ -214,7 +214,7 @@ def _search_reduction(
     file: Any, cores: int, result: Path | None, drops: Any, *, quick: bool
 ) -> Any:
     """Return the reduction that a search finds, written to ``result`` if there is one."""
-    from trainer.analysis.reduce import page, reduction
+    from trainer.analysis.reduce import reduction, vessel_text
     from trainer.analysis.reduce.objective import terms
 
     partial = reduction.checkpoint_of(result) if result else None
@@ -225,7 +225,7 @@ def _search_reduction(
     if result is None:
         return report
     notes = {"kept": len(report.kept), "of": report.hull_terms}
-    tables = page.factor_tables(found.factors, found.needs, notes)
-    write_text(result, page.rewritten(file.text, tables))
+    tables = vessel_text.factor_tables(found.factors, found.needs, notes)
+    write_text(result, vessel_text.rewritten(file.text, tables))
     reduction.discard_checkpoint(reduction.checkpoint_of(result))
     return report

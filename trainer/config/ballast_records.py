@@ -18,6 +18,8 @@ from trainer.config.schema import (
 )
 from trainer.core.ballast.tanks import BANKS, BLOWN, COMPARTMENTS, LAYERS, PUMPED
 
+LEAST_TRIM: Final = 1e-4  # [-] of the displaced volume that a trim tank is to hold
+
 
 def _centre() -> Any:
     """Return a point x, y, z [m] in body axes."""
@@ -164,9 +166,6 @@ def ballast_problems(ballast: Ballast) -> list[str]:
     if list(depths) != sorted(set(depths)):
         problems.append(f"sea.layer_depth_m = {list(depths)}: must ascend, none twice")
     return problems
-
-
-LEAST_TRIM: Final = 1e-4  # [-] of the displaced volume that a trim tank is to hold
 
 
 def ballast_remarks(ballast: Ballast, displaced: float) -> list[str]:

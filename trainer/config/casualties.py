@@ -47,6 +47,15 @@ SWITCH: Final = within(1, 1)  # there or not, at once
 SIDE: Final = within(-1, 1)
 TIMES: Final = above(0, 10)
 SIGNED_TIMES: Final = within(-10, 10)
+HEADING: Final[Mapping[str, FieldKind]] = {
+    "schema": Text(20, "form of the file: casualties/1"),
+    "name": Text(200, "name shown"),
+    "note": Text(1000, "for the reader"),
+}
+KNOWN: Final = (*HEADING, "casualty")
+STANDARD: Final = "standard"
+NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,39}")
+PARAMETERS: Final = ("hole_m2", "noise_m", "noise_deg", "noise_kn", "bias_m", "bias_deg", "bias_kn")
 
 
 @dataclass(frozen=True)
@@ -116,16 +125,6 @@ def severity_rule(kind: str) -> str:
     return f"must be {measure.limits} for {kind} ({measure.meaning})"
 
 
-HEADING: Final[Mapping[str, FieldKind]] = {
-    "schema": Text(20, "form of the file: casualties/1"),
-    "name": Text(200, "name shown"),
-    "note": Text(1000, "for the reader"),
-}
-KNOWN: Final = (*HEADING, "casualty")
-STANDARD: Final = "standard"
-NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,39}")
-
-
 @dataclass(frozen=True)
 class KindWord:
     """One of the kinds of casualty."""
@@ -161,9 +160,6 @@ class Entry:
     )
     bias_deg: float | None = optional(Quantity("deg", within(-180, 180), "gyro-biased"))
     bias_kn: float | None = optional(Quantity("kn", within(-50, 50), "log-biased"))
-
-
-PARAMETERS: Final = ("hole_m2", "noise_m", "noise_deg", "noise_kn", "bias_m", "bias_deg", "bias_kn")
 
 
 @dataclass(frozen=True)

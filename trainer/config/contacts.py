@@ -41,6 +41,8 @@ RESERVED: Final = ("add",)  # what an order says in a name's place
 ACCELERATION: Final = 0.02  # [m/s^2] of every ship: an estimate
 QUICKEST: Final = 0.1  # [s] time constant of a ship that can be followed from tick to tick
 TURN: Final = 2.5  # [lengths] radius of a turn: half of IMO's largest tactical diameter
+STATUSES: Final = ("under way", "at anchor", "fishing", "trawling", "sailing", "adrift")
+SPEED: Final = Quantity("kn", within(0, 60), "over the ground, or one for each leg; else 0")
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,6 @@ TYPES: Final[Mapping[str, ShipType]] = {
     "yacht": ShipType(14, 4.2, 2.2, 0.4, 1.5, 18, 9, ais=36, small=True, status="sailing"),
     "tug": ShipType(32, 11, 5, 0.6, 12, 18, 14, ais=52),
 }
-STATUSES: Final = ("under way", "at anchor", "fishing", "trawling", "sailing", "adrift")
 
 
 @dataclass(frozen=True)
@@ -128,9 +129,6 @@ class LegSpeeds:
         if not isinstance(value, list):
             return self.each.read(key, value, place)
         return tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
-
-
-SPEED: Final = Quantity("kn", within(0, 60), "over the ground, or one for each leg; else 0")
 
 
 @dataclass(frozen=True, kw_only=True)

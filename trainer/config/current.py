@@ -26,6 +26,11 @@ SLOWEST: Final = 60.0  # [s] of a change, below which the water's own accelerati
 DRIFT: Final = within(0, 10)  # [kn]
 TOWARDS: Final = within(0, 360)  # [deg]
 MOST: Final = 50  # rows of a table
+FORMS: Final[Mapping[str, tuple[str, ...]]] = {
+    "set_deg with drift_kn": ("set_deg", "drift_kn"),
+    "table": ("table",),
+    "tide": ("tide",),
+}
 
 
 @dataclass(frozen=True)
@@ -107,11 +112,6 @@ class Current:
 
 
 RECORDS: Final = {"current": Current, "current.tide": Tide}
-FORMS: Final[Mapping[str, tuple[str, ...]]] = {
-    "set_deg with drift_kn": ("set_deg", "drift_kn"),
-    "table": ("table",),
-    "tide": ("tide",),
-}
 
 
 def read_current(value: object, place: Place, _path: Path) -> Current:

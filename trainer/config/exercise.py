@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.config.casualties import Casualty, load_casualties, severity_rule
-from trainer.config.condition import Condition, Loss, compile_condition, compile_losses
+from trainer.config.derived import Condition, Loss, compile_condition, compile_losses
 from trainer.config.files import (
     ConfigError,
     Place,
@@ -63,6 +63,19 @@ MANNED: Final[Mapping[str, tuple[str, ...]]] = {  # by the axis of an order to t
     "periscope": ("planes", "ballast", "depth", "periscope", "hover"),
     "speed": ("speed",),
     "pitch": ("planes", "ballast"),
+}
+UNSCHEDULED: Final = (  # they answer a console, or are a person's to say or to decide
+    *("help", "status", "aye", "belay", "allow", "ack", "again", "restart", "next", "debrief"),
+    *("branch", "release-marks", "command", "give", "keep", "branches", "history", "ready"),
+    *("plan", "plans", "cancel", "name"),
+)
+TABLES: Final = (
+    *("initial", "sea", "orders", "casualties", "limits", "scores", "stated"),
+    *(*CREW_TABLES, *READERS),
+)
+AT_A_TIME: Final = {  # what is settled before the run, as when has no time yet
+    **dict.fromkeys(("within_s", "one_of"), "goes with at_s"),
+    "lasts_s": "goes with at_s: a run is planned before when is known to come; say clear_at_s",
 }
 
 
@@ -189,17 +202,6 @@ def key_tables() -> str:
     return tables_of(RECORDS)
 
 
-UNSCHEDULED: Final = (  # they answer a console, or are a person's to say or to decide
-    *("help", "status", "aye", "belay", "allow", "ack", "again", "restart", "next", "debrief"),
-    *("branch", "release-marks", "command", "give", "keep", "branches", "history", "ready"),
-    *("plan", "plans", "cancel", "name"),
-)
-
-
-TABLES: Final = (
-    *("initial", "sea", "orders", "casualties", "limits", "scores", "stated"),
-    *(*CREW_TABLES, *READERS),
-)
 KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
 
 
@@ -434,12 +436,6 @@ def _casualties(
                 armed.append(Armed(condition=condition, casualty=casualty, rule=rule))
     refuse(problems)
     return timed, tuple(armed), tuple(drawn)
-
-
-AT_A_TIME: Final = {  # what is settled before the run, as when has no time yet
-    **dict.fromkeys(("within_s", "one_of"), "goes with at_s"),
-    "lasts_s": "goes with at_s: a run is planned before when is known to come; say clear_at_s",
-}
 
 
 def _entry_named(known: Mapping[str, Casualty], name: str, place: Place) -> Casualty:

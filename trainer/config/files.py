@@ -40,6 +40,9 @@ OWN: Final = {  # what one of a kind is called, and an example of the user's own
 
 _remembered: ContextVar[dict[str, str] | None] = ContextVar("remembered", default=None)
 _recorded: ContextVar[Mapping[str, str] | None] = ContextVar("recorded", default=None)
+HEADER: Final = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")
+SET: Final = re.compile(r"\s*([\w-]+)\s*=\s*(.*)")
+TOLD: Final = re.compile(r"(?:\[(?P<table>[^ ]+)\] )?(?:(?P<key>[\w-]+)(?:\[\d+\])? = )?")
 
 
 class ConfigError(ValueError):
@@ -305,11 +308,6 @@ def as_typed(path: Path) -> str:
     """Return a path as the commands take it. A bare name would be that of a shipped file."""
     bare = path.suffix != ".toml" and len(path.parts) == 1
     return f"./{path}" if bare else str(path)
-
-
-HEADER: Final = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")
-SET: Final = re.compile(r"\s*([\w-]+)\s*=\s*(.*)")
-TOLD: Final = re.compile(r"(?:\[(?P<table>[^ ]+)\] )?(?:(?P<key>[\w-]+)(?:\[\d+\])? = )?")
 
 
 def lines_of(text: str) -> dict[tuple[str, str], int]:

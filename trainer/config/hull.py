@@ -45,6 +45,8 @@ TRAILING: Final = 1.1  # [-] of the length: as far aft may a trailing edge lie
 SERVES: Final = 0.1  # [-] least share of a panel's normal in the plane that it is to serve
 STERN, RUDDER, BOW, X = "stern", "rudder", "bow", "x"
 CONTROLS: Final = ("none", STERN, RUDDER, BOW, X)
+NAME: Final = Text(200, "of the boat")
+NEEDED: Final = ("hull", "speed")
 
 
 def _size(meaning: str) -> Quantity:
@@ -230,7 +232,6 @@ class HullFile:
         return Place(self.path.name, "")
 
 
-NAME: Final = Text(200, "of the boat")
 SURFACES: Final = Rows(Panels, ("note",), 1, 40, "surfaces, below")
 TABLES: Final[Mapping[str, type[Any]]] = {
     "hull": Form,
@@ -240,7 +241,6 @@ TABLES: Final[Mapping[str, type[Any]]] = {
     "propeller": Propeller,
     "controls": Controls,
 }
-NEEDED: Final = ("hull", "speed")
 KNOWN: Final = ("name", "note", *TABLES, "surfaces")
 KEYS: Final = ", ".join(KNOWN)
 

@@ -34,6 +34,13 @@ STRIP_SLACK = 0.01  # of the strips' mass
 STRIP_CENTRE = 0.005  # [-] of the length, of their centre
 STRIP_ADDED = 0.02  # of their added masses, and their centres
 STRIP_END = 0.6  # [-] of the length
+# gains that take the boat back where the coefficient beside them has the sign given
+TAKING_BACK: Final = {
+    "stern_pitch": ("M_ds", -1.0),
+    "bow_depth": ("Z_db", 1.0),
+    "rudder_course": ("N_dr", 1.0),
+    "rudder_yaw_rate": ("N_dr", 1.0),
+}
 
 
 def hull_problems(hull: Hull, fluid: Fluid) -> list[str]:
@@ -225,15 +232,6 @@ def run_problems(run: Run, hull: Hull) -> list[str]:
                 f"{depth:g} m of [vessel]",
             )
     return problems
-
-
-# gains that take the boat back where the coefficient beside them has the sign given
-TAKING_BACK: Final = {
-    "stern_pitch": ("M_ds", -1.0),
-    "bow_depth": ("Z_db", 1.0),
-    "rudder_course": ("N_dr", 1.0),
-    "rudder_yaw_rate": ("N_dr", 1.0),
-}
 
 
 def _wrong_signs(autopilot: Autopilot, coefficients: Mapping[str, float]) -> list[str]:

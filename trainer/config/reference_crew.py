@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from trainer.config.condition import Condition, compile_conditions
+from trainer.config.derived import Condition, compile_conditions
 from trainer.config.files import ConfigError, Place, collecting, nearest, refuse
 from trainer.config.schema import (
     Choice,
@@ -32,6 +32,7 @@ CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # of orders to the cre
 UNSEEN: Final = ("heavy", "speed_over_ground")  # quantities that no gauge has
 HANDS: Final = ("planesman", "helmsman")
 SWITCHES: Final = {f"{hand} {word}": (hand, word) for hand in HANDS for word in ("on", "off")}
+CREW_TABLES: Final = ("crew", *HANDS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +108,6 @@ class Crew:
 
 
 RULES: Final = Rows(CrewRow, ("note",), 0, 200, "what the reference crew does, below")
-CREW_TABLES: Final = ("crew", *HANDS)
 
 
 def read_crew(table: Mapping[str, object], place: Place) -> Crew:

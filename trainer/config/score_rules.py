@@ -6,8 +6,8 @@ from functools import partial
 from typing import Final
 
 from trainer.config.casualties import Casualty
-from trainer.config.condition import EVERY, Condition, compile_conditions, parse_name
-from trainer.config.condition import nearest_quantity as guess
+from trainer.config.derived import EVERY, Condition, compile_conditions, parse_name
+from trainer.config.derived import nearest_quantity as guess
 from trainer.config.files import ConfigError, Place, collecting, nearest, refuse
 from trainer.config.schema import Choice, Choices, Quantity, Rows, Text, above, of, optional, within
 from trainer.config.sound_rows import Readers, sound_rows
@@ -22,6 +22,19 @@ ORDERED: Final[Mapping[str, str]] = {  # places of the state that hold what is o
     COURSE: "ordered_psi",
     "speed": "ordered_speed",
 }
+TANKS: Final = ("bank_main", "bank_emergency")
+TIMELESS: Final = ("response",)  # look at the whole record
+WINDOW: Final = ("since", "from_s", "to_s", "when")
+ENOUGH: Final = within(-1e9, 1e9)
+# orders of the instructor, and words, which answer no casualty
+INSTRUCTING: Final = (
+    frozenset({"casualty", "clear", "sea", "current", "contact", "hold", "release"}) | CREW_TALK
+)
+PARTS: Final = ("task", "answer", "keeping")
+ANSWERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTING))
+OF_ITSELF: Final = ("final", "largest")  # without a target
+# what a rule may say for some measures only
+OPTIONAL: Final = ("quantity", "target", "band", "casualty", "orders", *WINDOW)
 
 
 @dataclass(frozen=True)
@@ -36,7 +49,6 @@ class Measure:
     quantities: tuple[str, ...] = ()  # the only ones it takes; () any
 
 
-TANKS: Final = ("bank_main", "bank_emergency")
 MEASURES: Final[Mapping[str, Measure]] = {
     "overshoot": Measure(
         ITS_OWN,
@@ -143,17 +155,6 @@ MEASURES: Final[Mapping[str, Measure]] = {
         quantities=TANKS,
     ),
 }
-TIMELESS: Final = ("response",)  # look at the whole record
-WINDOW: Final = ("since", "from_s", "to_s", "when")
-
-
-ENOUGH: Final = within(-1e9, 1e9)
-# orders of the instructor, and words, which answer no casualty
-INSTRUCTING: Final = (
-    frozenset({"casualty", "clear", "sea", "current", "contact", "hold", "release"}) | CREW_TALK
-)
-PARTS: Final = ("task", "answer", "keeping")
-ANSWERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTING))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -266,11 +267,6 @@ def parse_quantity(text: str, place: Place) -> Measured:
     units = EVERY[name].units
     unit = unit or next(iter(units))
     return Measured(name, unit.replace("_", "/").replace("mpa", "MPa"), units[unit])
-
-
-OF_ITSELF: Final = ("final", "largest")  # without a target
-# what a rule may say for some measures only
-OPTIONAL: Final = ("quantity", "target", "band", "casualty", "orders", *WINDOW)
 
 
 def read_rules(

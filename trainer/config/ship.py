@@ -52,6 +52,7 @@ MOST_ROWS: Final = 100  # of a covariance, for editors
 LARGE: Final = within(-1e9, 1e9)
 GYRATION: Final = 0.38  # [-] of the beam: radius of gyration in roll, with the water
 GRAVITY: Final = 9.81  # [m/s^2]
+NUMBER: Final = Quantity("-", LARGE, "coefficient")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,7 +138,6 @@ TABLES: Final = {
     "sensors": Sensors,
     "result": Result,
 }
-NUMBER: Final = Quantity("-", LARGE, "coefficient")
 
 
 @dataclass(frozen=True, kw_only=True)

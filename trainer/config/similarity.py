@@ -28,6 +28,7 @@ UNITS: Final = (  # that a vessel file has
     *("1/m", "rad/m", "deg/s2", "rad/(m s)"),
 )
 UNIT: Final = re.compile(r"([A-Za-z-]+?)\^?(\d?)")
+PRESSURE: Final = "kept: a hull of the same shape and steel bears the same pressure; estimate"
 
 
 class Law(NamedTuple):
@@ -37,7 +38,6 @@ class Law(NamedTuple):
     reason: str = ""
 
 
-PRESSURE: Final = "kept: a hull of the same shape and steel bears the same pressure; estimate"
 EXCEPTIONS: Final[Mapping[tuple[str, str], Law]] = {
     ("vessel", "max_depth_m"): Law(0.0, PRESSURE),
     ("vessel", "test_depth_m"): Law(0.0, PRESSURE),

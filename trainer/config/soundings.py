@@ -30,6 +30,15 @@ KEYWORDS: Final = (
 NOTHING: Final = -9999.0  # at a sample without a value, where the file names no other
 HEADER: Final = re.compile(r"[ \t]*([A-Za-z_]\w*)[ \t]+(\S+)[ \t]*(?:\r\n|\r|\n|$)")
 MARK: Final = "soundings/1 "  # what the text of a grid begins with
+SCALE, TIE, KEYS, ABSENT = 33550, 33922, 34735, 42113  # tags
+RASTER, GEOGRAPHIC, PROJECTED, UNIT = 1025, 2048, 3072, 3076  # keys of the tag KEYS
+POINT, WGS84, OWN, METRE = 2, 4326, 32767, 9001
+CODED: Final = {5: "LZW", 6: "old JPEG", 7: "JPEG", 34887: "LERC"}  # that tifffile alone reads not
+CONVERT: Final = "gdal_translate -co COMPRESS=DEFLATE IN.tif OUT.tif"
+WARP: Final = "gdalwarp -t_srs EPSG:4326 IN.tif OUT.tif"
+KNOTS: Final = 33  # of the lattice on which the chart is computed, each way
+Position = Callable[[float, float], tuple[float, float]]
+METRES: Final = 111_132.0  # [m] of a degree of latitude, about
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,13 +202,6 @@ def _wrong(path: Path, name: str, value: object, told: str) -> ConfigError:
 
 # GeoTIFF
 
-SCALE, TIE, KEYS, ABSENT = 33550, 33922, 34735, 42113  # tags
-RASTER, GEOGRAPHIC, PROJECTED, UNIT = 1025, 2048, 3072, 3076  # keys of the tag KEYS
-POINT, WGS84, OWN, METRE = 2, 4326, 32767, 9001
-CODED: Final = {5: "LZW", 6: "old JPEG", 7: "JPEG", 34887: "LERC"}  # that tifffile alone reads not
-CONVERT: Final = "gdal_translate -co COMPRESS=DEFLATE IN.tif OUT.tif"
-WARP: Final = "gdalwarp -t_srs EPSG:4326 IN.tif OUT.tif"
-
 
 def read_geotiff(path: Path) -> Grid:
     """Return the grid of a GeoTIFF; ConfigError if it is of a form not read."""
@@ -277,9 +279,6 @@ def _refuse_elsewhere(keys: Mapping[int, int], path: Path) -> None:
 
 # From degrees to the plane
 
-KNOTS: Final = 33  # of the lattice on which the chart is computed, each way
-Position = Callable[[float, float], tuple[float, float]]
-
 
 def on_the_plane(grid: Grid, position: Position) -> Grid:
     """Return a grid of degrees sampled on the exercise's plane.
@@ -297,9 +296,6 @@ def on_the_plane(grid: Grid, position: Position) -> Grid:
     i = np.clip((latitude - grid.south) / grid.cell[0], 0.0, rows - 1.0)
     j = np.clip((longitude - grid.west) / grid.cell[1], 0.0, columns - 1.0)
     return Grid(between(grid.values, i, j), west, south, (cell, cell), degrees=False)
-
-
-METRES: Final = 111_132.0  # [m] of a degree of latitude, about
 
 
 def _extent(grid: Grid, position: Position) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.config.condition import Condition, compile_conditions
+from trainer.config.derived import Condition, compile_conditions
 from trainer.config.files import ConfigError, Place, collecting, quote, refuse
 from trainer.config.schema import Choice, Quantity, Rows, Text, Texts, of, optional, usual, within
 from trainer.config.score_rules import Measured, parse_quantity

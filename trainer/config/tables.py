@@ -51,6 +51,7 @@ TELLING: Final = (
     *("s", "ms", "min", "h", "rad", "deg", "rad/s", "deg/s", "deg/min", "m/s", "kn"),
     *("1/s", "rps", "rpm"),
 )
+Rows = list[tuple[int, list[str]]]
 
 
 def spelt(unit: str) -> str:
@@ -207,9 +208,6 @@ def read_table(path: Path) -> Table:
     units = _units(heads, rows, told)
     _mend_commas(path, heads, rows, told)
     return Table(path, heads, units, [n for n, _ in rows], [row for _, row in rows], tuple(told))
-
-
-Rows = list[tuple[int, list[str]]]
 
 
 def _decoded(path: Path) -> tuple[str, list[str]]:

@@ -62,6 +62,23 @@ PUMPS: Final = {  # to the sea or aft, and the other way
     "depth_control": ("pump depth-control", "flood depth-control"),
     "trim": ("pump trim aft", "pump trim forward"),
 }
+FOOT: Final = 3  # [rows] of keys at most
+RATE: Final = 10.0  # [Hz] of looking
+SOON: Final = 0.004  # [s] between looks for the first figures
+FUNCTION: Final = re.compile(r"f\d+|ctrl\+[cgt]")  # keys that are no part of an order
+SPANS: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
+PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
+PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 shows help"}
+PROMPT: Final = "keys move your controls; Enter to type an order"
+DIALOGS: Final[Mapping[str, Callable[[SessionModel], Subject]]] = {
+    "help": guide,
+    "briefing": briefing,
+    "casualties": casualty_choice,
+    "sea": sea_choice,
+    "moments": lambda model: Moments(model, replays=False),
+    "plan": PlanView,
+    "emergency": lambda _sight: emergency(),
+}
 
 
 @dataclass
@@ -97,25 +114,6 @@ class Levers:
         """Return what was last asked, or after a while what the boat shows."""
         value, when = self.asked.get(what, (shown, -math.inf))
         return value if now - when < FORGET else shown
-
-
-FOOT: Final = 3  # [rows] of keys at most
-RATE: Final = 10.0  # [Hz] of looking
-SOON: Final = 0.004  # [s] between looks for the first figures
-FUNCTION: Final = re.compile(r"f\d+|ctrl\+[cgt]")  # keys that are no part of an order
-SPANS: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
-PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
-PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 shows help"}
-PROMPT: Final = "keys move your controls; Enter to type an order"
-DIALOGS: Final[Mapping[str, Callable[[SessionModel], Subject]]] = {
-    "help": guide,
-    "briefing": briefing,
-    "casualties": casualty_choice,
-    "sea": sea_choice,
-    "moments": lambda model: Moments(model, replays=False),
-    "plan": PlanView,
-    "emergency": lambda _sight: emergency(),
-}
 
 
 class Console(App[str], inherit_bindings=False):

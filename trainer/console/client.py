@@ -28,6 +28,7 @@ AT_A_TIME: Final = 200  # [lines]
 ROLE: Final = "1"  # tags of what the client says of itself
 WISH: Final = "2"
 LONGEST_ORDER: Final = LONGEST - len(sentences.order_sentence("", "999999"))  # [characters]
+Reach = Callable[[str, threading.Event], Line]
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,6 @@ class NeverBegunError(Exception):
 
 
 Item = Joined | Lost | Barred | Greeting | Sentence
-Reach = Callable[[str, threading.Event], Line]
 
 
 class Client:

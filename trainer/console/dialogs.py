@@ -12,6 +12,21 @@ from textual.screen import ModalScreen
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Pane, fit, line
 
+NAMES: Final = 26  # [columns]
+HEAD: Final = 2  # [rows] above the list
+SEAS: Final = (
+    (0, "glassy"),
+    (1, "0.05 m: rippled"),
+    (2, "0.3 m: smooth"),
+    (3, "0.9 m: slight"),
+    (4, "1.9 m: moderate"),
+    (5, "3.3 m: rough"),
+    (6, "5.0 m: very rough"),
+    (7, "7.5 m: high"),
+    (8, "11.5 m: very high"),
+)
+FRAME: Final = 2  # [rows]
+
 
 class Row(NamedTuple):
     """An entry to choose: how it is found, its order, its usual ending, a note."""
@@ -31,19 +46,6 @@ class Done(NamedTuple):
 
 
 NOTHING: Final = Done()
-NAMES: Final = 26  # [columns]
-HEAD: Final = 2  # [rows] above the list
-SEAS: Final = (
-    (0, "glassy"),
-    (1, "0.05 m: rippled"),
-    (2, "0.3 m: smooth"),
-    (3, "0.9 m: slight"),
-    (4, "1.9 m: moderate"),
-    (5, "3.3 m: rough"),
-    (6, "5.0 m: very rough"),
-    (7, "7.5 m: high"),
-    (8, "11.5 m: very high"),
-)
 
 
 @dataclass
@@ -211,9 +213,6 @@ class Subject(Protocol):
     def draw(self, width: int, height: int) -> Lines:
         """Return it as lines."""
         ...
-
-
-FRAME: Final = 2  # [rows]
 
 
 class Dialog(ModalScreen[Done]):

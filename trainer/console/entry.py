@@ -14,6 +14,12 @@ from trainer.io.orders.grammar import READINGS, match, tokenise
 from trainer.io.orders.quantities import Number
 from trainer.io.orders.table import NAMES, Name, Place, UnitWord, Word
 
+Known = Mapping[str, Sequence[str]]
+ENTER: Final = ("enter", "ctrl+j")  # the second: typed before the terminal was the console's
+TYPING: Final = "type an order, then Enter; Esc goes back to the controls"
+CASUALTY: Final = NAMES["NAME"].says
+MOMENT: Final = NAMES["LABEL"].says
+
 
 class Offer(NamedTuple):
     """Whole words that fit, and what else would, in words."""
@@ -86,11 +92,6 @@ def hint(text: str, known: Mapping[str, Sequence[str]]) -> str:
     """Return what may come next, in words."""
     offered = offer(text, known)
     return "   ".join((*offered.words, *(f"<{each}>" for each in offered.hints)))
-
-
-Known = Mapping[str, Sequence[str]]
-ENTER: Final = ("enter", "ctrl+j")  # the second: typed before the terminal was the console's
-TYPING: Final = "type an order, then Enter; Esc goes back to the controls"
 
 
 class Ghost(Suggester):
@@ -180,10 +181,6 @@ class Entry(Input):
         self._place = min(max(self._place + way, 0), len(self._history))
         self.value = "" if self._place == len(self._history) else self._history[self._place]
         self.cursor_position = len(self.value)
-
-
-CASUALTY: Final = NAMES["NAME"].says
-MOMENT: Final = NAMES["LABEL"].says
 
 
 class Names(Mapping[str, Sequence[str]]):

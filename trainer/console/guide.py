@@ -95,6 +95,7 @@ MOVES: Final = {
 }
 LEAVES: Final = ("escape", "f1", "q", "enter", "f10", "f12", "question_mark")
 LABELS: Final = 16  # [columns] of what stands before an explanation
+DEAF: Final = 1.0  # [s] that keys are ignored which were meant for what was there before
 
 
 @dataclass
@@ -319,7 +320,6 @@ AFTER: Final = {
     "h": Next("again from 2 min", "again, from two minutes ago", asked=True),
     "n": Next("next", "choose another exercise"),
 }
-DEAF: Final = 1.0  # [s] that keys are ignored which were meant for what was there before
 
 
 class Ending(Reading):

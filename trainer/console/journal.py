@@ -34,6 +34,7 @@ SIGNS: Final = {
     "briefing": (" ", "plain"),
 }
 OTHER: Final = ("-", "plain")
+TRACED: Final = 4800  # ticks: 40 minutes at half a second
 
 
 class Entry(NamedTuple):
@@ -121,9 +122,6 @@ def wrap_entry(entry: Entry, width: int) -> list[tuple[str, str, str]]:
     texts = textwrap.wrap(entry.text, room) or [""]
     first, *rest = texts
     return [(when, f"{sign} {first}", ink), *((" " * 8, f"  {text}", ink) for text in rest)]
-
-
-TRACED: Final = 4800  # ticks: 40 minutes at half a second
 
 
 class Sample(NamedTuple):

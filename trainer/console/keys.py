@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
+PAGE: Final = 8  # [lines] of the log
+
 
 @dataclass(frozen=True)
 class Give:
@@ -87,8 +89,6 @@ class Key:
     does: str
     act: Act
 
-
-PAGE: Final = 8  # [lines] of the log
 
 HELP: Final = Key(("f1", "question_mark"), "F1", "help", "help, this page", Open("help"))
 BRIEF: Final = Key(

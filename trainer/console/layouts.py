@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.console.drawing import event_log, gauges, panels, tanks
+from trainer.console.drawing.attitude import hull
 from trainer.console.drawing.chart import plan
-from trainer.console.drawing.gauges import hull
 from trainer.console.model import Quantity, SessionModel
 from trainer.console.pane import Lines
 

@@ -11,7 +11,8 @@ from typing import Final, NamedTuple, Protocol
 from trainer.console.client import Greeting, Item, Joined, Lost
 from trainer.console.crew import CrewOrders
 from trainer.console.journal import Journal, Kept, Sample, Trace, entry_of, plan_of
-from trainer.console.readings import EVENTS, LATE, ChannelReadings, Past, Reading
+from trainer.console.past import EVENTS, LATE, Past
+from trainer.console.readings import ChannelReadings, Reading
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import Sentence
 

@@ -28,6 +28,9 @@ from trainer.console.terminal import OWN
 from trainer.io import paths
 
 LOOK = 0.004  # [s] between looks at whether it has ended
+PATIENCE: Final = 2.0  # [s] for a session that goes on to end all the same
+SUMMARY: Final = 30.0  # [s] for a session that was ended to say its last words
+SOON: Final = (paths.MAKING_READY, paths.LISTENING)  # a session's first words, if it is to be
 
 
 class Process(ABC):
@@ -132,11 +135,6 @@ class Child(Process):
         for ours, theirs in enumerate((nothing, self._out.fileno(), self._err.fileno())):
             os.dup2(theirs, ours)
         os.close(nothing)
-
-
-PATIENCE: Final = 2.0  # [s] for a session that goes on to end all the same
-SUMMARY: Final = 30.0  # [s] for a session that was ended to say its last words
-SOON: Final = (paths.MAKING_READY, paths.LISTENING)  # a session's first words, if it is to be
 
 
 def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) -> int:

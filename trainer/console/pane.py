@@ -20,6 +20,14 @@ from textual.widget import Widget
 Run = tuple[str, str]  # text and the name of its ink
 Line = tuple[Run, ...]
 Lines = list[Line]
+NUMBER: Final = re.compile(r"[-+]?[0-9]+(?:[.,:/][0-9]+)*(?:e[-+]?[0-9]+)?")
+HIDDEN: Final = "#"  # in place of each sign of a number that has no room
+GROUND: Final = "#0c1419"
+RAISED: Final = "#16222a"
+Draw = Callable[[int, int], Lines]  # takes columns and rows
+Click = Callable[[int, int], None]  # takes column and row
+Wheel = Callable[[int], None]  # takes lines, downwards
+NOTCH: Final = 3  # [lines] of the wheel
 
 
 class Ink(NamedTuple):
@@ -30,11 +38,6 @@ class Ink(NamedTuple):
     bold: bool = False
 
 
-NUMBER: Final = re.compile(r"[-+]?[0-9]+(?:[.,:/][0-9]+)*(?:e[-+]?[0-9]+)?")
-HIDDEN: Final = "#"  # in place of each sign of a number that has no room
-
-GROUND: Final = "#0c1419"
-RAISED: Final = "#16222a"
 INKS: Final[Mapping[str, Ink]] = {
     "plain": Ink("#d7e0e4", GROUND),
     "dim": Ink("#8ea4af", GROUND),
@@ -127,11 +130,6 @@ def luminance(colour: str) -> float:
     linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
-
-Draw = Callable[[int, int], Lines]  # takes columns and rows
-Click = Callable[[int, int], None]  # takes column and row
-Wheel = Callable[[int], None]  # takes lines, downwards
-NOTCH: Final = 3  # [lines] of the wheel
 
 STYLES: Final = {
     name: Style(color=ink.colour, bgcolor=ink.ground, bold=ink.bold) for name, ink in INKS.items()

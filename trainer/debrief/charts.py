@@ -12,9 +12,9 @@ from trainer.config.score_rules import COURSE
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
 from trainer.debrief.data import DebriefData
-from trainer.debrief.episodes import shown
 from trainer.debrief.measures import LIMITED, limits_of
 from trainer.debrief.rehearsal import CREW
+from trainer.debrief.ships_met import shown
 from trainer.debrief.trajectory import Rows, Trajectory
 from trainer.io.recording.recording import Noted
 from trainer.report.svg import (
@@ -60,6 +60,9 @@ CHART_OF: Final = {  # where a quantity is drawn that has no chart of its own na
 NAMES: Final = (
     *("depth", "clearance", "pitch", "stern", "bow", "course", "rudder", "speed", "air"),
 )
+ROW, TOP, BOTTOM = 20.0, 8.0, 24.0  # [px]
+LABEL: Final = 24.0  # [px] that a label takes
+WASHED: Final = 10.0  # [s] under water, in which the periscope is still taken to show
 
 
 def chart_of(quantity: str) -> str:
@@ -260,11 +263,6 @@ def _limits(trajectory: Trajectory, key: str) -> tuple[Level, ...]:
 
 
 # The time line
-
-
-ROW, TOP, BOTTOM = 20.0, 8.0, 24.0  # [px]
-LABEL: Final = 24.0  # [px] that a label takes
-WASHED: Final = 10.0  # [s] under water, in which the periscope is still taken to show
 
 
 def draw_timeline(debrief: DebriefData, ground: Ground) -> Markup:

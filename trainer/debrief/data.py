@@ -20,7 +20,6 @@ from trainer.debrief.episodes import (
     answer_to,
     crew_orders,
     deflection,
-    meet,
     read_backs,
     spells,
 )
@@ -35,6 +34,7 @@ from trainer.debrief.reference import (
 )
 from trainer.debrief.rehearsal import CREW, Departure, fly
 from trainer.debrief.scoring import Scorecard, Scored
+from trainer.debrief.ships_met import meet
 from trainer.debrief.trajectory import Trajectory, read_passage
 from trainer.io.recording.queries import Excess
 from trainer.io.recording.recording import Branch, Journalled, Noted, Recording

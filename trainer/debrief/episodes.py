@@ -4,34 +4,22 @@ All from states and journal: a recording without orders to the crew has none to 
 """
 
 import math
-import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Final, NamedTuple
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from trainer.boat.grounding import AFLOAT, AGROUND, LAID, Touch, lies_well, touch_of
-from trainer.boat.world.bottom import ground_under
-from trainer.boat.world.contacts import contacts_in
-from trainer.boat.world.encounters import EncounterMonitor
-from trainer.boat.world.hulls import OwnHull, Pose
-from trainer.boat.world.scope import Periscope, periscope_of
-from trainer.config.bottom import Bottom
 from trainer.config.casualties import Casualty
 from trainer.config.files import ConfigError
 from trainer.config.score_rules import COURSE, INSTRUCTING
 from trainer.core.casualties import KINDS
-from trainer.core.kernel import Numbers
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.trajectory import (
     AMOUNTS,
     CREW_ORDERS,
     SLOTS,
-    Rows,
     Trajectory,
-    eye_heights,
     stretches,
 )
 from trainer.io.orders.grammar import Order, parse
@@ -47,6 +35,11 @@ KEPT: Final = {  # [SI] off an order within which it is kept
     "pitch": math.radians(2.0),
 }
 MOVED: Final = np.radians(2.0)  # [rad] by which a surface has been deflected
+ORDERED: Final = "ordered: "  # begins the answer to an order to the crew
+AYE: Final = " aye"  # ends that to a repeat
+TELL: Final = "tell "  # began it in recordings of before
+WRONG: Final = "WRONG REPEAT: "
+WORDS: Final = "words"  # the axis of an order in words
 
 
 @dataclass(frozen=True)
@@ -158,13 +151,6 @@ def deflection(trajectory: Trajectory, episode: Episode) -> Deflection | None:
 # Orders to the crew
 
 
-ORDERED: Final = "ordered: "  # begins the answer to an order to the crew
-AYE: Final = " aye"  # ends that to a repeat
-TELL: Final = "tell "  # began it in recordings of before
-WRONG: Final = "WRONG REPEAT: "
-WORDS: Final = "words"  # the axis of an order in words
-
-
 @dataclass(frozen=True)
 class ReadBack:
     """One order to the crew, and what came of it."""
@@ -233,230 +219,3 @@ def _kept_from(each: ReadBack, end: int, trajectory: Trajectory) -> int | None:
     first = int(beyond[-1]) + 1 if beyond.size else 0
     ticks = trajectory.ticks[rows]
     return int(ticks[first]) if first < ticks.size else None
-
-
-# The ships that a run met: how near each came, and collisions.
-
-
-WAYS: Final = 400  # rows at which the ways of ships are looked at
-POSE: Final = ("x", "y", "z", "phi", "theta", "psi")
-MARKED: Final = re.compile(r"contact\b.*?(\d{1,3}(?:\.\d+)?)\s*", re.IGNORECASE)
-AIMED: Final = math.radians(3.0)  # [rad] between a mark's bearing and the ship's
-LOOKOUT: Final = "scope"  # the role whose marks of ships count
-LOOK: Final = 10.0  # [s] from look to look, for what a raised mast would have shown
-MISSED: Final = 120.0  # [s] that a ship would have been in sight for, to be missed
-
-
-@dataclass(frozen=True)
-class Met:
-    """Every ship's closest approach, and the nearest ship's range at each tick."""
-
-    nearest: Numbers  # [m] in the step to each tick, infinity without ships
-    closest: dict[str, tuple[float, int]] = field(default_factory=dict)  # [m] and tick, by name
-    collisions: tuple[tuple[int, str], ...] = ()  # ticks and names
-    collision: str = "call"  # what the exercise has one do
-
-
-@dataclass(frozen=True)
-class ShipWay:
-    """The way of a ship [m], at rows of the passage and their times [s]."""
-
-    name: str
-    rows: NDArray[np.int64]
-    seconds: Numbers
-    north: Numbers
-    east: Numbers
-
-
-def ways_of_ships(trajectory: Trajectory) -> list[ShipWay]:
-    """Return the ways of all ships of a passage, at some WAYS rows each."""
-    contacts = contacts_in(trajectory.boat)
-    every = max(trajectory.ticks.size // WAYS, 1)
-    found: dict[str, list[tuple[float, ...]]] = {}
-    for row in range(0, trajectory.ticks.size, every):
-        for ship in contacts.seen(int(trajectory.ticks[row])) if contacts else ():
-            found.setdefault(ship.name, []).append((row, ship.north, ship.east))
-    ways = []
-    for name, places in found.items():
-        rows, north, east = np.array(places).T
-        whole = rows.astype(np.int64)
-        ways.append(ShipWay(name, whole, trajectory.seconds[whole], north, east))
-    return ways
-
-
-def place_of_ship(trajectory: Trajectory, name: str, tick: int) -> tuple[float, float] | None:
-    """Return where a ship was at a tick, north and east [m]. None: it was not there."""
-    contacts = contacts_in(trajectory.boat)
-    ships = contacts.seen(tick) if contacts else ()
-    return next(((each.north, each.east) for each in ships if each.name == name), None)
-
-
-def meet(trajectory: Trajectory) -> Met:
-    """Return the ships that were met on a passage."""
-    contacts = contacts_in(trajectory.boat)
-    nearest = np.full(trajectory.ticks.size, np.inf)
-    if contacts is None or not contacts.any:
-        return Met(nearest)
-    monitor = EncounterMonitor(contacts, OwnHull.of(trajectory.boat))
-    rows = zip(*(trajectory.columns[name].tolist() for name in POSE), strict=True)
-    poses = [Pose(*row) for row in rows]
-    collisions = []
-    for row in range(1, len(poses)):
-        tick = int(trajectory.ticks[row])
-        monitor.step(contacts, tick, poses[row - 1], poses[row])
-        nearest[row] = monitor.nearest[1]
-        if monitor.struck:
-            collisions.append((tick, monitor.struck))
-    return Met(nearest, monitor.closest, tuple(collisions), contacts.encounters.collision)
-
-
-@dataclass(frozen=True)
-class Detection:
-    """A ship, and when it was in sight and was marked.
-
-    It was in sight, or would have been of a mast that is up.
-    """
-
-    name: str
-    there: int  # tick from which a mast that is up shows it
-    seen: int | None  # tick at which it came in sight; None: nobody looked
-    marked: int | None
-
-
-@dataclass(frozen=True)
-class LookOut:
-    """The ships of a look-out, and the ticks of marks that meant none."""
-
-    ships: tuple[Detection, ...] = ()
-    false: tuple[int, ...] = ()
-
-
-def shown(trajectory: Trajectory) -> tuple[Rows, Numbers]:
-    """Return at which ticks the head was out of the water, and at which raise."""
-    scope = periscope_of(trajectory.boat)
-    if scope is None:
-        return np.zeros(trajectory.ticks.size, bool), np.zeros(trajectory.ticks.size)
-    stood = [scope.at(tick) for tick in trajectory.ticks.tolist()]
-    out = np.array([mast.out > 0.0 for mast in stood])
-    return out & (eye_heights(trajectory) > 0.0), np.array([float(mast.raised) for mast in stood])
-
-
-def look_out(trajectory: Trajectory) -> LookOut:
-    """Return the ships in sight, or that could have been for MISSED, with marks."""
-    scope = periscope_of(trajectory.boat)
-    if scope is None:
-        return LookOut()
-    rows = np.flatnonzero(shown(trajectory)[0]).tolist()
-    seen: dict[str, int] = {}
-    for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory), up=False):
-        seen.setdefault(name, int(trajectory.ticks[row]))
-    there = {**_could_be_seen(trajectory, scope), **seen}
-    marks, false = _marks(trajectory, scope, seen)
-    ships = (Detection(name, at, seen.get(name), marks.get(name)) for name, at in there.items())
-    return LookOut(tuple(sorted(ships, key=lambda each: each.there)), false)
-
-
-def _could_be_seen(trajectory: Trajectory, scope: Periscope) -> dict[str, int]:
-    """Return the ships that a raised mast shows for MISSED, with the tick at which that began."""
-    every = max(round(LOOK / trajectory.boat.method.step), 1)
-    rows = list(range(0, trajectory.ticks.size, every))
-    found: dict[str, list[int]] = {}
-    for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory, up=True), up=True):
-        found.setdefault(name, []).append(int(trajectory.ticks[row]))
-    return {name: ticks[0] for name, ticks in found.items() if len(ticks) * LOOK >= MISSED}
-
-
-def _sights(
-    trajectory: Trajectory, scope: Periscope, rows: list[int], heights: Numbers, *, up: bool
-) -> Iterator[tuple[int, str]]:
-    """Yield each row with the name of each ship in sight then. ``up``: of a mast all out."""
-    for row in rows:
-        mast = scope.at(int(trajectory.ticks[row]))
-        mast = scope.raised(mast) if up else mast
-        eye = scope.place(state_of(trajectory, row), mast, float(heights[row]))
-        yield from ((row, sight.name) for sight in scope.sights(eye, mast))
-
-
-def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
-    """Return place and attitude at a row, by their names in the core."""
-    return {name: float(trajectory.columns[name][row]) for name in ("x", "y", "psi", "theta")}
-
-
-def _marks(
-    trajectory: Trajectory, scope: Periscope, seen: Mapping[str, int]
-) -> tuple[dict[str, int], tuple[int, ...]]:
-    """Return the tick of each ship's first mark, and those of marks that mean no ship seen."""
-    marks: dict[str, int] = {}
-    false = []
-    for tick, bearing in _bearings_marked(trajectory):
-        state = state_of(trajectory, trajectory.row(tick))
-        off = {
-            name: abs(math.remainder(true - bearing, math.tau))
-            for name, true in scope.near(state, tick)
-            if seen.get(name, math.inf) <= tick
-        }
-        nearest = min(off, key=lambda name: off[name], default="")
-        if off.get(nearest, math.inf) <= AIMED:
-            marks.setdefault(nearest, tick)
-        else:
-            false.append(tick)
-    return marks, tuple(false)
-
-
-def _bearings_marked(trajectory: Trajectory) -> Iterator[tuple[int, float]]:
-    """Yield tick and bearing [rad] of each ship that the crew has marked.
-
-    Marks are the periscope's; the instructor's count where nobody else has made any.
-    """
-    said = [(each, MARKED.match(each.text)) for each in trajectory.marks]
-    crew = [(mark, found) for mark, found in said if mark.who.startswith(LOOKOUT)]
-    for mark, found in crew or said:
-        if found:
-            yield mark.tick, math.radians(float(found[1]))
-
-
-# The groundings of a passage: when, how hard, and whether they were meant.
-
-
-class Grounding(NamedTuple):
-    """One time that the ground carried the boat."""
-
-    row: int  # at which it was aground
-    touch: Touch
-    hard: bool
-    at_fault: bool  # it was not meant, or not done well
-
-
-def groundings(trajectory: Trajectory) -> list[Grounding]:
-    """Return the groundings of a passage. Touching it again soon after is the same one."""
-    bottom = ground_under(trajectory.boat)
-    if bottom is None:
-        return []
-    return [_grounding(trajectory, bottom, row) for row in _rows(trajectory)]
-
-
-def _rows(trajectory: Trajectory) -> Iterator[int]:
-    """Yield the rows at which the boat is aground, having been off the ground for a while."""
-    ticks, seconds = trajectory.columns["aground"], trajectory.seconds
-    last = -np.inf
-    for row in np.flatnonzero(ticks >= AGROUND):
-        if row and seconds[row] - last > AFLOAT:
-            yield int(row)
-        last = seconds[row]
-
-
-def _grounding(trajectory: Trajectory, bottom: Bottom, row: int) -> Grounding:
-    columns = trajectory.columns
-    before = max(row - int(columns["aground"][row]), 0)
-    touch = touch_of(lambda name: float(columns[name][before]), float(trajectory.boat.vessel.ell))
-    hard = touch.is_hard(bottom.kind)
-    well = bottom.bottoming and not hard and not touch.faults and _lies(trajectory, row)
-    return Grounding(row, touch, hard, not well)
-
-
-def _lies(trajectory: Trajectory, row: int) -> bool:
-    """Return whether a boat comes to lie as it should, in time."""
-    soon = np.flatnonzero(trajectory.seconds <= trajectory.seconds[row] + LAID)
-    tonnes = trajectory.columns["bottom_load"] / float(trajectory.boat.vessel.g) / 1000.0
-    screw = trajectory.columns["u_c"]
-    return any(lies_well(float(tonnes[i]), float(screw[i])) for i in soon if i >= row)

@@ -36,6 +36,13 @@ SCHEMA: Final = "marks/1"
 LAST: Final = 3  # attempts whose mean is told
 NARROWEST: Final = 60  # [columns] that a line of the list needs
 MAX_QUICK_BYTES: Final = 10_000_000  # of a recording that is judged in its turn in the list
+KINDS: Final[Mapping[str, Any]] = {  # of what is kept
+    **dict.fromkeys(("exercise", "width", "outcome"), str),
+    **dict.fromkeys(("counts", "changed"), bool),
+    "seed": int,
+    "total": float | int | None,
+}
+REMOVED: Final = "(name removed)"
 
 
 @dataclass(frozen=True)
@@ -49,14 +56,6 @@ class Came:
     total: float | None  # [%] None: no marks
     counts: bool  # neither free nor practice
     changed: bool  # by the instructor
-
-
-KINDS: Final[Mapping[str, Any]] = {  # of what is kept
-    **dict.fromkeys(("exercise", "width", "outcome"), str),
-    **dict.fromkeys(("counts", "changed"), bool),
-    "seed": int,
-    "total": float | int | None,
-}
 
 
 @dataclass(frozen=True)
@@ -226,9 +225,6 @@ def history(own: Iterable[Listed]) -> list[Attempts]:
 
 
 # A name forgotten
-
-
-REMOVED: Final = "(name removed)"
 
 
 def forget(name: str, recordings: Iterable[Path]) -> Iterator[str]:

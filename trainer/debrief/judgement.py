@@ -14,11 +14,13 @@ import numpy as np
 
 from trainer.boat.depths import lowest_depth
 from trainer.boat.limits import BEYOND
-from trainer.config.condition import Loss
+from trainer.config.derived import Loss
 from trainer.config.score_rules import Rule
-from trainer.debrief.episodes import SCHEDULE, groundings, meet, name_of
+from trainer.debrief.episodes import SCHEDULE, name_of
+from trainer.debrief.groundings import groundings
 from trainer.debrief.measures import limits_of, rows_beyond
 from trainer.debrief.scoring import Scorecard, Scored, Verdict, score
+from trainer.debrief.ships_met import meet
 from trainer.debrief.trajectory import Rows, Trajectory, stretches
 from trainer.report.svg import clock
 from trainer.session.plan import Plan
@@ -32,6 +34,8 @@ KEPT_SHARE: Final = 0.3  # of the total, by how the boat was kept
 WIDTHS: Final[Mapping[str, float]] = {"qualified": 1.0, "basic": 1.5}
 FREEING: Final = frozenset({"allow", "casualty"})  # orders after which there are no marks
 MOST_NOBODY: Final = 50.0  # [%] a task worth having gives with nobody aboard
+MOST_TOLD: Final = 3  # sentences
+LEAST_TOLD: Final = 0.5  # [%] of the marks that is worth one
 
 
 def judge(
@@ -254,10 +258,6 @@ def _cut_short(trajectory: Trajectory, plan: Plan) -> str:
 
 
 # What cost marks
-
-
-MOST_TOLD: Final = 3  # sentences
-LEAST_TOLD: Final = 0.5  # [%] of the marks that is worth one
 
 
 @dataclass(frozen=True)

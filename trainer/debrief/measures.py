@@ -15,14 +15,9 @@ from trainer.boat.limits import COVERED, FULL
 from trainer.config.score_rules import Measured, Rule
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
-from trainer.debrief.episodes import (
-    answer_to,
-    first_spell,
-    groundings,
-    look_out,
-    meet,
-    shown,
-)
+from trainer.debrief.episodes import answer_to, first_spell
+from trainer.debrief.groundings import groundings
+from trainer.debrief.ships_met import look_out, meet, shown
 from trainer.debrief.trajectory import Rows, Trajectory, showing
 
 NO_TEST_DEPTH: Final = "this boat has no test depth"
@@ -36,6 +31,9 @@ LIMITED: Final[Mapping[str, Measured]] = {  # by the keys of an exercise's limit
     "clearance_m": Measured("clearance", "m", 1.0),
     "speed_over_ground_kn": Measured("speed_over_ground", "kn", 1852.0 / 3600.0),
 }
+FALSE: Final = 30.0  # [s] for each mark of a ship where none was seen
+THERE: Final = "the boat was there when it was ordered"
+LAST: Final = 120.0  # [s] of a window, in which the boat has to have settled
 
 
 @dataclass(frozen=True)
@@ -70,11 +68,6 @@ def time_to(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
         return Attained(None, None, f"not in the band at the end, {far} beyond it")
     seconds = float(ticks[first] - ticks[0]) * trajectory.boat.method.step
     return Attained(seconds, int(ticks[first]))
-
-
-FALSE: Final = 30.0  # [s] for each mark of a ship where none was seen
-THERE: Final = "the boat was there when it was ordered"
-LAST: Final = 120.0  # [s] of a window, in which the boat has to have settled
 
 
 def reach(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:

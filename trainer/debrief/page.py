@@ -23,10 +23,11 @@ from trainer.debrief.charts import (
     runs_beside,
 )
 from trainer.debrief.data import DebriefData, compared, figures, find_branch, gather
-from trainer.debrief.episodes import ShipWay, meet, place_of_ship, ways_of_ships
+from trainer.debrief.ships_met import ShipWay, meet, place_of_ship, ways_of_ships
 from trainer.debrief.trajectory import stretches
 from trainer.io.lines import plain
-from trainer.report.html import charts, page, paragraph, print_pdf, section
+from trainer.report.html import charts, page, paragraph, section
+from trainer.report.pdf import print_pdf
 from trainer.report.svg import (
     WIDTH,
     Axis,
@@ -41,6 +42,15 @@ from trainer.report.svg import (
 from trainer.session.header import plan_of, reading
 
 BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
+HEAD = 2000  # [characters] in which a page of ours says that it is
+TALL: Final = 420.0  # [px] of the track
+SIDE, ABOVE, BELOW = 10.0, 26.0, 30.0  # [px] about it
+LEAST: Final = 400.0  # [m] across the shorter way
+EVERY: Final = (10.0, 30.0, 60.0, 300.0, 600.0, 1800.0)  # [s] between its marks of time
+TRACKED: Final = 1600  # points of it
+TICKED: Final = 12  # of them at most
+SCALE: Final = 0.2  # of the width, the longest rule
+CLOSE: Final = 3000.0  # [m] from the boat, within which a ship's way widens the map
 
 
 def render(debrief: DebriefData, boat: str = "") -> str:
@@ -108,9 +118,6 @@ def _drawings(debrief: DebriefData) -> Markup:
     return Markup().join(
         [sections.legend(debrief), charts([*drawn, draw_track(debrief, ground, beside)])]
     )
-
-
-HEAD = 2000  # [characters] in which a page of ours says that it is
 
 
 @dataclass(frozen=True)
@@ -202,16 +209,6 @@ def _refuse_other(html: Path) -> None:
 
 
 # The track from above: the boat's, the reference crew's, those of the ships that were met
-
-
-TALL: Final = 420.0  # [px] of the track
-SIDE, ABOVE, BELOW = 10.0, 26.0, 30.0  # [px] about it
-LEAST: Final = 400.0  # [m] across the shorter way
-EVERY: Final = (10.0, 30.0, 60.0, 300.0, 600.0, 1800.0)  # [s] between its marks of time
-TRACKED: Final = 1600  # points of it
-TICKED: Final = 12  # of them at most
-SCALE: Final = 0.2  # of the width, the longest rule
-CLOSE: Final = 3000.0  # [m] from the boat, within which a ship's way widens the map
 
 
 def draw_track(debrief: DebriefData, ground: Ground, beside: tuple[Beside, ...] = ()) -> Markup:

@@ -16,7 +16,8 @@ from trainer.boat.helm import obey
 from trainer.boat.reference_crew import Given, Reaction, ReferenceCrew
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.reference_crew import MARK, Crew
-from trainer.debrief.episodes import LOOKOUT, SCHEDULE
+from trainer.debrief.episodes import SCHEDULE
+from trainer.debrief.ships_met import LOOKOUT
 from trainer.debrief.trajectory import COLUMNS, Trajectory
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.table import BOAT_ORDERS

@@ -10,9 +10,10 @@ from trainer.core.cache import same_core
 from trainer.debrief.changes import OUTCOME, WIDTH, Change
 from trainer.debrief.charts import WRONG, chart_of
 from trainer.debrief.data import Answered, Compared, DebriefData, deviation_of
-from trainer.debrief.episodes import SCHEDULE, Detection, ReadBack, look_out, meet
+from trainer.debrief.episodes import SCHEDULE, ReadBack
 from trainer.debrief.reference import behind
 from trainer.debrief.scoring import Scorecard, Scored, Verdict
+from trainer.debrief.ships_met import Detection, look_out, meet
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Journalled
@@ -24,6 +25,9 @@ JSON_HAS_ALL: Final = "trainer debrief --json has all"
 JOINED_WITHIN_S: Final = 1.0  # [s] from one press of a key to the next
 PLACED: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place
 TOLD: Final = 4  # digits of a value that count
+TOLD_FROM: Final = 0.5  # [%] of a deviation
+SURE: Final = 2.8  # standard deviations between two runs
+AXES: Final = ("rudder", "planes", "speed", "ballast")  # that a crew may work
 
 
 def number(value: float | None) -> str:
@@ -82,11 +86,6 @@ def _beside_marks(debrief: DebriefData) -> Iterator[str]:
     flown, planned = float(debrief.trajectory.seconds[-1]), debrief.plan.duration
     if planned is not None and flown < planned - debrief.step:
         yield f"The record ends at {clock(flown)}; the exercise lasts {clock(planned)}."
-
-
-TOLD_FROM: Final = 0.5  # [%] of a deviation
-SURE: Final = 2.8  # standard deviations between two runs
-AXES: Final = ("rudder", "planes", "speed", "ballast")  # that a crew may work
 
 
 def by_hand(debrief: DebriefData) -> str:

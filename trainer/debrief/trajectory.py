@@ -15,7 +15,8 @@ from trainer.boat.crew_orders import AXES
 from trainer.boat.grounding import NAMES
 from trainer.boat.world.bottom import ground_under, keel_of
 from trainer.boat.world.scope import Mast, periscope_of
-from trainer.config.condition import ANGLE, DERIVED, QUANTITIES, Condition
+from trainer.config.condition import ANGLE, QUANTITIES
+from trainer.config.derived import DERIVED, Condition
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
 from trainer.config.score_rules import COURSE, ORDERED, Measured, Rule

@@ -42,6 +42,26 @@ TAPS: Final = {  # bits of the register whose sum modulo 2 comes in: periods of 
     11: (11, 9),
     12: (12, 11, 10, 4),
 }
+LEAD: Final = 30.0  # [s] of straight motion before the first helm
+GENTLE: Final = 10.0  # [deg] of rudder beyond which ships are not linear
+HOLD: Final = (0.2, 0.5)  # [T1] of a bit
+LENGTH: Final = (20.0, 40.0)  # [T1] of the whole
+MOST_ORDERS: Final = 499  # that an exercise file takes
+EQUATIONS: Final = "full"
+INTEGRATOR: Final = "rk4"
+KEPT: Final = "rudder auto"
+EXERCISE: Final = '''\
+schema = "exercise/1"
+name = "{name}"
+vessel = "{vessel}"
+duration_s = {duration_s:g}
+equations = "{equations}"
+integrator = "{integrator}"
+briefing = """
+An experiment for identification: hands off, the helm is given by schedule and depth is
+kept by the planes. Record it, and give the recording to trainer identify."""'''
+INITIAL: Final = "\n[initial]\nspeed_kn = {speed_kn:g}\ndepth_m = {depth_m:g}\ncourse_deg = 0"
+FLOWN: Final = {"t": "t", **OWN}  # columns of the boat, by channel
 
 
 def prbs(bits: int, seed: int = 1) -> Numbers:
@@ -65,27 +85,6 @@ def prbs(bits: int, seed: int = 1) -> Numbers:
 def hold_bits(sequence: Numbers, amplitude: float, samples: int) -> Numbers:
     """Return the sequence times ``amplitude``, each bit held for some samples."""
     return np.repeat(amplitude * sequence, samples)
-
-
-LEAD: Final = 30.0  # [s] of straight motion before the first helm
-GENTLE: Final = 10.0  # [deg] of rudder beyond which ships are not linear
-HOLD: Final = (0.2, 0.5)  # [T1] of a bit
-LENGTH: Final = (20.0, 40.0)  # [T1] of the whole
-MOST_ORDERS: Final = 499  # that an exercise file takes
-EQUATIONS: Final = "full"
-INTEGRATOR: Final = "rk4"
-KEPT: Final = "rudder auto"
-EXERCISE: Final = '''\
-schema = "exercise/1"
-name = "{name}"
-vessel = "{vessel}"
-duration_s = {duration_s:g}
-equations = "{equations}"
-integrator = "{integrator}"
-briefing = """
-An experiment for identification: hands off, the helm is given by schedule and depth is
-kept by the planes. Record it, and give the recording to trainer identify."""'''
-INITIAL: Final = "\n[initial]\nspeed_kn = {speed_kn:g}\ndepth_m = {depth_m:g}\ncourse_deg = 0"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -250,9 +249,6 @@ def exercise_text(orders: tuple[tuple[float, str], ...], name: str, table: dict[
     for seconds, order in orders:
         lines += ["", "[[orders]]", f"at_s = {seconds:g}", f'order = "{order}"']
     return "\n".join(lines) + "\n"
-
-
-FLOWN: Final = {"t": "t", **OWN}  # columns of the boat, by channel
 
 
 def fly_trial(

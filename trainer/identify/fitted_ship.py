@@ -42,6 +42,12 @@ CHOICES: Final = {
     "method": METHODS,
     "positive_rudder": ("port", "starboard"),
 }
+OF_BOOKS: Final = ("ship", "prior_strength")  # keywords that linear ships do not take
+OF_STEERING: Final = (  # and those that ships that are not linear do not
+    *("length", "speed", "vessel", "outputs", "noise", "method", "start", "fixed"),
+)
+STRONGEST: Final = 100.0  # of the prior's strengths, as on the command line
+OfShips = Literal["linear", "mavmm", "abkowitz", "mmg"]
 
 
 class FitOptions(TypedDict, total=False):
@@ -77,12 +83,6 @@ USUAL: Final[FitOptions] = {
     "fixed": {},
     "prior_strength": 0.5,
 }
-OF_BOOKS: Final = ("ship", "prior_strength")  # keywords that linear ships do not take
-OF_STEERING: Final = (  # and those that ships that are not linear do not
-    *("length", "speed", "vessel", "outputs", "noise", "method", "start", "fixed"),
-)
-STRONGEST: Final = 100.0  # of the prior's strengths, as on the command line
-OfShips = Literal["linear", "mavmm", "abkowitz", "mmg"]
 
 
 @overload

@@ -25,6 +25,9 @@ from trainer.identify.model.models import MODELS, Plant, Ship
 from trainer.identify.record.measurements import Samples
 from trainer.units import KNOT
 
+CHUNK: Final = 25
+CONVERGED, GAIN = "converged", "likelihood gained"
+
 
 @dataclass(frozen=True)
 class Run:
@@ -90,10 +93,6 @@ def one_run(problem: Problem, truth: Numbers, seed: int) -> Run:
         cost.value(truth),
         converged=found.converged,
     )
-
-
-CHUNK: Final = 25
-CONVERGED, GAIN = "converged", "likelihood gained"
 
 
 def rehearsal_of(study: Study, drawn: Mapping[str, Any]) -> tuple[Rehearsal, IdentificationTable]:

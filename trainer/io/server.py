@@ -29,6 +29,16 @@ from trainer.io.serial_line import LinkError
 WAITING = 128  # connections that the system keeps until they are taken
 KNOCK = 1.0  # [s]  for a session that listens at a path to answer
 HIGHEST = 65535
+ROOM = 32  # connections
+KEPT = 8  # more, for lines of this machine and user
+STRANGERS = 24  # that come by TCP and have not said who they are; the oldest gives way
+TURNED_AWAY = 8  # more that are being told so; beyond it they are cut off
+LAST_WORDS = 1.0  # [s]  for those
+DEAF = 1.0  # [s]  without new connections after the system had no room for one
+GRACE = 1.0  # [s]  beyond the patience, for the thread to end
+NO_ROOM = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
+# A client whose machine has died is noticed after 30 + 3 * 10 s.
+KEEPALIVE = (("TCP_KEEPIDLE", 30), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 3))
 
 
 def parse_address(text: str, example: str) -> tuple[str, int]:
@@ -182,19 +192,6 @@ def identity(path: Path) -> tuple[int, int]:
     """Return which file is at `path`."""
     found = os.lstat(path)
     return found.st_dev, found.st_ino
-
-
-ROOM = 32  # connections
-KEPT = 8  # more, for lines of this machine and user
-STRANGERS = 24  # that come by TCP and have not said who they are; the oldest gives way
-TURNED_AWAY = 8  # more that are being told so; beyond it they are cut off
-LAST_WORDS = 1.0  # [s]  for those
-DEAF = 1.0  # [s]  without new connections after the system had no room for one
-GRACE = 1.0  # [s]  beyond the patience, for the thread to end
-
-NO_ROOM = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
-# A client whose machine has died is noticed after 30 + 3 * 10 s.
-KEEPALIVE = (("TCP_KEEPIDLE", 30), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 3))
 
 
 class Server:

@@ -27,6 +27,11 @@ PLACED: Final = {"branch": int, "tick": int, "t": float}  # where in the run; t 
 TIMINGS: Final = {"lateness_ns": int, "work_ns": int}
 ORDERS: Final = {"who": str, "text": str, "place": int, "accepted": bool, "answer": str}
 EVENTS: Final = {"wall": str, "kind": str, "who": str, "text": str}
+COLUMNS: Final = (
+    *("tick", "t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),
+    *("delta_r", "delta_s", "delta_b", "u_c", "weight", "x_g", "z_g", "eta_wave"),
+    "validity",
+)
 
 
 @dataclass(frozen=True)
@@ -166,13 +171,6 @@ def _write_parquet(table: Table, path: Path) -> None:
                 for cells, field in zip(zip(*rows, strict=True), schema, strict=True)
             ]
             file.write_table(pa.table(columns, schema=schema))
-
-
-COLUMNS: Final = (
-    *("tick", "t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),
-    *("delta_r", "delta_s", "delta_b", "u_c", "weight", "x_g", "z_g", "eta_wave"),
-    "validity",
-)
 
 
 class Columns(Protocol):

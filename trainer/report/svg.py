@@ -14,6 +14,11 @@ from trainer.core.kernel import Numbers
 ROUND: Final = (1.0, 2.0, 2.5, 5.0, 10.0)
 ANGLES: Final = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)  # [deg]
 TIMES: Final = (5.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0, 3600.0, 7200.0)  # [s]
+WIDTH, HEIGHT = 960.0, 210.0  # [px]
+LEFT, RIGHT, TOP, BOTTOM = 68.0, 24.0, 26.0, 24.0
+POINTS: Final = 1600  # of a line
+LEGEND: Final = 24.0  # [px] length of a line's sample
+LETTER, TITLE_LETTER = 6.6, 7.6  # [px] about as wide as one
 
 
 @dataclass(frozen=True)
@@ -81,13 +86,6 @@ def way(x: Numbers, y: Numbers, most: int) -> str:
         points = zip(*thin(x[first:after], y[first:after], most), strict=True)
         pieces.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in points))
     return "".join(pieces)
-
-
-WIDTH, HEIGHT = 960.0, 210.0  # [px]
-LEFT, RIGHT, TOP, BOTTOM = 68.0, 24.0, 26.0, 24.0
-POINTS: Final = 1600  # of a line
-LEGEND: Final = 24.0  # [px] length of a line's sample
-LETTER, TITLE_LETTER = 6.6, 7.6  # [px] about as wide as one
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import problem_of, scale_of
-from trainer.config.condition import Condition, compile_condition
+from trainer.config.derived import Condition, compile_condition
 from trainer.config.exercise import Armed
 from trainer.config.files import ConfigError, Place
 from trainer.io.orders.grammar import Order, Refused, Reply, parse

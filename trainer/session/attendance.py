@@ -1,4 +1,4 @@
-"""The stations of a session: how they come, are told what this is, are heard, and go."""
+"""The stations of a session: how they come, are told, are heard, and go."""
 
 import threading
 from collections.abc import Callable
@@ -21,7 +21,7 @@ CLOSE_TIMEOUT_S: Final = 0.5  # for a line to get out what it was sent before it
 
 @dataclass(frozen=True)
 class Introduction:
-    """What whoever comes is told of a run: by lines for people, and the exercise for programs."""
+    """What newcomers are told of a run: lines for people, the exercise for programs."""
 
     instructor: tuple[str, ...] = ()
     crew: tuple[str, ...] = ()  # and everybody else

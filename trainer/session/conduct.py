@@ -148,7 +148,7 @@ class Conduct:
     # The gates, for which see ``dispatch``
 
     def past_its_end(self, order: Order, role: Role, *, after_end: bool) -> str:
-        """Return that the exercise is over, "" before, and for an order that is obeyed then."""
+        """Return that the exercise is over, "" before, or for what is obeyed then."""
         if not self.ending.over:
             return ""
         if order.name == "again" and order.subject == HERE:
@@ -158,7 +158,7 @@ class Conduct:
         return OVER if role is INSTRUCTOR else f"{AT_ITS_END}: the instructor goes on"
 
     def unconfirmed(self, station: Station) -> str:
-        """Return how many others ``quit`` would end the session for, "" where it was said twice."""
+        """Return how many others ``quit`` would end, "" where it was said twice."""
         others = sum(1 for each in self._others(station))
         who, when = self._quitting
         if not others or (who is station and self.clock() - when <= QUIT_AGAIN_WITHIN_S):

@@ -40,6 +40,8 @@ from trainer.session.parts import Parts
 from trainer.session.stations.roles import INSTRUCTOR, ROLES
 from trainer.session.stations.station import Asked, Duty, Fact, Lines, Station
 
+Gate = Callable[[Order, Station | None, Parts], str]
+
 
 class Obeyer(Enum):
     """Who obeys an order. The value is how documents say it."""
@@ -153,7 +155,6 @@ def replay_gate(order: Order, _station: Station | None, session: Parts) -> str:
     return "" if ORDERS[order.name].in_replay else session.history.flown.barred
 
 
-Gate = Callable[[Order, Station | None, Parts], str]
 GATES: Final[Sequence[Gate]] = (
     *(command_gate, quit_gate, visitor_gate),
     *(lost_gate, end_gate, hand_gate, replay_gate),

@@ -20,7 +20,8 @@ from trainer.boat.casualties import scale_of
 from trainer.boat.grounding import clearance
 from trainer.boat.limits import deep, over_ground, showing
 from trainer.boat.world.scope import eye_height
-from trainer.config.condition import QUANTITIES, Condition, Loss
+from trainer.config.condition import QUANTITIES
+from trainer.config.derived import Condition, Loss
 from trainer.config.files import ConfigError
 
 PATIENCE: Final = 20.0  # [s] at the end, for marks and pages

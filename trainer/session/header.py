@@ -52,6 +52,15 @@ OPTIONS: Final[Mapping[str, Any]] = {  # of the command line, that a plan depend
     **dict.fromkeys(("duration", "step"), int | float | None),
     "seed": int,
 }
+TRAINEES: Final = "trainees"
+# form 1 differentiated a rudder that stood still within each step
+NOMOTO_FORM: Final = "2"
+LONGEST_NAME: Final = 60  # [characters]
+# a key of exercises that came later, and changes nothing of how the boat is flown
+FLIES_NOTHING: Final = re.compile(r"^visitors[ \t]*=.*\n", re.MULTILINE)
+LARGEST: Final = 2.0**63  # of a number among the options
+LIBRARIES: Final = ("numpy", "numba")
+NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
 def _are_texts(found: object) -> bool:
@@ -67,15 +76,6 @@ PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
     "vessel": lambda found: isinstance(found, str),
     "seed": lambda found: isinstance(found, int),
 }
-TRAINEES: Final = "trainees"
-# form 1 differentiated a rudder that stood still within each step
-NOMOTO_FORM: Final = "2"
-LONGEST_NAME: Final = 60  # [characters]
-# a key of exercises that came later, and changes nothing of how the boat is flown
-FLIES_NOTHING: Final = re.compile(r"^visitors[ \t]*=.*\n", re.MULTILINE)
-LARGEST: Final = 2.0**63  # of a number among the options
-LIBRARIES: Final = ("numpy", "numba")
-NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
 @contextmanager

@@ -13,6 +13,10 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Record
 from trainer.core.state import STATE
 
+MOST: Final = 10  # lines of one file that are told
+LONGEST: Final = 60  # [characters] of a line or value shown
+SETTING: Final = re.compile(r"\s*([\w.\"-]+)\s*=\s*(.*)")
+
 
 class Unlike(NamedTuple):
     """The difference of two states: the first number, its two values, and the count."""
@@ -74,11 +78,6 @@ def unlike(recorded: bytes, flown: bytes) -> Unlike | None:
     first = int(places[0])
     values = [float(np.frombuffer(state, dtype=np.float64)[first]) for state in (recorded, flown)]
     return Unlike(LAYOUT[first], values[0], values[1], int(places.size))
-
-
-MOST: Final = 10  # lines of one file that are told
-LONGEST: Final = 60  # [characters] of a line or value shown
-SETTING: Final = re.compile(r"\s*([\w.\"-]+)\s*=\s*(.*)")
 
 
 def changes(file: str, now: str, was: str) -> list[str]:

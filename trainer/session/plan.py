@@ -15,7 +15,7 @@ from trainer.boat.world.encounters import refuse_touching
 from trainer.boat.world.world import world_of
 from trainer.config.baseline import Baseline, kept_baseline
 from trainer.config.casualties import Casualty, load_casualties
-from trainer.config.condition import Loss
+from trainer.config.derived import Loss
 from trainer.config.exercise import (
     UNSCHEDULED,
     Armed,
@@ -46,6 +46,11 @@ OVERRULED: Final = {
     "step": "step_s",
     "seed": "seed",
     "duration": "duration_s",
+}
+HANDED: Final = {  # what puts an axis in hand, as it stands
+    "rudder": ("rudder manual",),
+    "planes": ("planes manual",),
+    "ballast": ("trim manual", "hover off"),
 }
 
 
@@ -174,13 +179,6 @@ def plan_run(options: RunOptions) -> Plan:
         baseline=kept_baseline(exercise.path) if exercise else None,
         world=exercise.world if exercise else {},
     )
-
-
-HANDED: Final = {  # what puts an axis in hand, as it stands
-    "rudder": ("rudder manual",),
-    "planes": ("planes manual",),
-    "ballast": ("trim manual", "hover off"),
-}
 
 
 def into_hand(exercise: Exercise, file: VesselFile) -> list[Scheduled]:

@@ -1,4 +1,4 @@
-"""A recording is flown again to the same bits, or its run goes on.
+"""A recording is flown again to the same bits.
 
 Its orders are given at their ticks, its states compared bit by bit.
 """
@@ -6,7 +6,7 @@ Its orders are given at their ticks, its states compared bit by bit.
 import math
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +15,12 @@ import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
-from trainer.boat.world.scope import periscope_of
 from trainer.config.files import ConfigError, collecting, json_text
 from trainer.core.kernel import Record
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Branch, Journalled, Recording
-from trainer.session.exercise import Debriefing
 from trainer.session.header import (
     NOTHING,
     differences,
@@ -31,15 +29,12 @@ from trainer.session.header import (
     notes,
     plan_of,
     reading,
-    refusing_damage,
 )
-from trainer.session.history import History, order_of
+from trainer.session.history import order_of
 from trainer.session.layout import Unlike, read_state, unlike
-from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
-from trainer.session.run import Begun, PreparedRun, fly
-from trainer.session.warm_up import set_garbage_aside, warm
-from trainer.session.world_orders import WorldOrders, settle_world, worlds_begun
+from trainer.session.resume import refuse_other
+from trainer.session.world_orders import WorldOrders, worlds_begun
 
 
 @dataclass(frozen=True)
@@ -160,93 +155,6 @@ def compare(flight: Flight, tick: int, recorded: bytes, course: Course) -> None:
 def recorded_state(state: bytes, course: Course) -> Record:
     """Return a recorded state as a record of this version."""
     return read_state(state, course.layout, course.boat.records.state)
-
-
-# A recorded run goes on. The boat is brought to its last order, then sails as in any run.
-
-
-def resume_boat(
-    path: Path, options: RunOptions, debriefing: Debriefing | None = None, *, anyway: bool
-) -> int:
-    """Go on with the recording at ``path``; return the exit code."""
-    with refusing_damage():
-        recording = Recording.reopen(path)
-    try:
-        with refusing_damage():
-            header = recording.header()
-            refuse_other(path, differences(header), anyway=anyway)
-            plan = plan_of(header)
-            boat = Boat(plan.file, plan.method)
-            warm(boat)
-            set_garbage_aside()
-            history = bring_up(recording, plan, boat, layout_of(header))
-            history.noted()  # what is damaged in its past is told before anything begins
-    except BaseException:
-        recording.close()
-        raise
-    seconds = options.duration
-    if seconds is not None and seconds <= boat.time:
-        recording.close()
-        raise ConfigError(f"--duration {seconds:g} s: this run is at {boat.time:g} s already")
-    how = "time is frozen: say run" if options.frozen else "going on"
-    if seconds is None and plan.duration is not None and plan.duration <= boat.time:
-        how = "at its end; --duration goes on beyond it"
-    click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)
-    plan = plan if seconds is None else replace(plan, duration=seconds)
-    begun = Begun(debriefing=debriefing)
-    return fly(PreparedRun(plan, boat, history, str(path), begun), options).code
-
-
-def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:
-    """Raise ConfigError with what differs from the recording, unless it is to be done anyway."""
-    if found and not anyway:
-        raise ConfigError(
-            *(f"{path.name}: {each}" for each in found),
-            f"{path.name}: would not be the same run; --anyway goes on all the same",
-        )
-
-
-def count_exposure(recording: Recording, boat: Boat, layout: tuple[str, ...]) -> None:
-    """Count again for how long the periscope has shown, by the states before this."""
-    scope = periscope_of(boat)
-    if scope is None or not scope.acts:
-        return
-    latest, present = boat.ticks, boat.records.state.copy()
-    for flown in recording.flown(recording.branch):
-        if flown.tick < latest and scope.at(flown.tick).out > 0.0:
-            boat.restore(read_state(flown.state, layout, present))
-            scope.write(boat.state)
-    boat.restore(present)
-
-
-def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ...]) -> History:
-    """Return the history of a boat brought to where its recording ends.
-
-    The last recorded state, then every order journalled since at its tick: no order is lost.
-    """
-    plan.start(boat)  # also what no state holds: the triggers armed
-    latest = recording.latest()
-    boat.restore(read_state(latest.state, layout, boat.records.state))
-    if boat.ticks != latest.tick:
-        raise ConfigError(f"recording: its state of tick {latest.tick} is of another: damaged")
-    settle_world(boat, recording, recording.branch, latest.after)
-    count_exposure(recording, boat, layout)
-    history = History(boat, recording, latest.after, latest.place)
-    with np.errstate(all="ignore"):
-        for entry in recording.orders(recording.branch, latest.after):
-            while history.tick < entry.tick:
-                if status := boat.tick():
-                    raise ConfigError(f"cannot be brought up: {boat.failure(status)}")
-                history.ticked(history.tick)
-            order = order_of(entry, plan.schedule)
-            if order is not None and order.name in BOAT_ORDERS:
-                history.answered(entry.id, obey(boat, order))
-            history.include(entry)
-    history.read_world_orders(recording.branch)
-    return history
-
-
-# The command ``trainer replay`` flies each branch of a recording again and compares it.
 
 
 def replay_file(path: Path, otherwise: Mapping[str, Any], *, anyway: bool, as_json: bool) -> int:

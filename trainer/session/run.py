@@ -55,14 +55,6 @@ from trainer.session.time.timekeeping import Punctuality, Timekeeping
 from trainer.session.warm_up import refuse_unstable, set_garbage_aside, warm
 from trainer.units import KNOT
 
-
-class Ended(NamedTuple):
-    """The result of a run: its exit code, and the exercise that follows."""
-
-    code: int
-    following: str
-
-
 OVER = "the session is over"
 EXERCISE: Final[Mapping[str, Any]] = {  # what another exercise settles anew: as not given
     each.name: each.default for each in fields(RunOptions) if each.name in OVERRULED
@@ -70,6 +62,13 @@ EXERCISE: Final[Mapping[str, Any]] = {  # what another exercise settles anew: as
 NAMES = 100  # that a new recording is tried under
 PERCENT_PER_LINE = 20  # [%] of the tick compiled on a first start, between lines that tell it
 BATCH = 200  # [rows] of a CSV file written at once by a run that keeps no time
+
+
+class Ended(NamedTuple):
+    """The result of a run: its exit code, and the exercise that follows."""
+
+    code: int
+    following: str
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,9 @@ from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
 BOAT: Final = "the boat, this once (about a minute)"
+LONGEST: Final = 600  # [s] of processor time: whatever happens, it ends
+TICK_NICENESS: Final = 5  # a run is waiting for it, and goes first all the same
+REST_NICENESS: Final = 10
 
 
 def warm(boat: Boat) -> None:
@@ -75,11 +78,6 @@ def refuse_unstable(boat: Boat) -> None:
 
 
 # The core compiled for later starts: ``python -m trainer.session.warm_up``
-
-
-LONGEST: Final = 600  # [s] of processor time: whatever happens, it ends
-TICK_NICENESS: Final = 5  # a run is waiting for it, and goes first all the same
-REST_NICENESS: Final = 10
 
 
 def precompile(lock: int | None = None) -> None:

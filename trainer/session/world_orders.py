@@ -8,6 +8,8 @@ from trainer.boat.world.world import PARTS
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Journalled, Recording, RecordingError
 
+WorldOrders = Sequence[tuple[int, Order]]  # each with its tick
+
 
 class WorldOrder(NamedTuple):
     """An order to the world with its tick, and the one before it."""
@@ -16,9 +18,6 @@ class WorldOrder(NamedTuple):
     tick: int
     order: Order
     before: "WorldOrder | None"
-
-
-WorldOrders = Sequence[tuple[int, Order]]  # each with its tick
 
 
 def world_orders(latest: WorldOrder | None) -> WorldOrders:

@@ -28,6 +28,9 @@ LINE: Final = re.compile(r'(?:(\w+(?:\[\d+\])?)\s+)?("(?:[^"\\]|\\.)*")')
 HOLE: Final = re.compile(r"\{\d\}")  # where a value stands
 
 Catalogue = dict[str, str]  # what is said, by the English words
+HERE: Final = Path(__file__).parent
+ASSETS: Final = HERE / "assets"
+LEAD, CREW, WATCH = "Lead", "Crew", "Watch"
 
 
 def catalogues(folder: Path = LOCALE) -> dict[str, Catalogue]:
@@ -77,10 +80,6 @@ def read_line(line: str, place: str) -> tuple[str, str]:
     return match[1] or "", str(ast.literal_eval(match[2]))
 
 
-HERE: Final = Path(__file__).parent
-ASSETS: Final = HERE / "assets"
-
-
 @dataclass(frozen=True)
 class Page:
     """One page: its address, its title, the role of its station, its template."""
@@ -93,7 +92,6 @@ class Page:
     says: str = ""  # what is done there, in one line
 
 
-LEAD, CREW, WATCH = "Lead", "Crew", "Watch"
 MISSING_PAGE: Final = Page("missing", "There is no such page", "", "missing.html")
 PAGES: Final = (
     Page("", "Control room", "", "choice.html"),

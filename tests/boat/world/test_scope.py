@@ -37,15 +37,15 @@ from trainer.config.contacts import TYPES
 from trainer.config.exercise import Limits, parse_exercise
 from trainer.config.vessel import parse_vessel
 from trainer.debrief.data import gather
-from trainer.debrief.episodes import shown as shown_ticks
 from trainer.debrief.scoring import attain
+from trainer.debrief.ships_met import shown as shown_ticks
 from trainer.debrief.trajectory import COLUMNS, Trajectory
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.recording.recording import Noted, Recording
 from trainer.session.header import layout_of, plan_of
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
-from trainer.session.replay import bring_up
+from trainer.session.resume import bring_up
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger

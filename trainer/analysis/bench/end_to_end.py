@@ -31,6 +31,15 @@ from trainer.session.time.ledger import SECOND, Histogram, Spread
 
 SIZE: Final = 40, 120  # rows and columns
 TRAINER: Final = (sys.executable, "-m", "trainer")
+ORDERS: Final = (("rudder left full", -1.0), ("rudder right full", 1.0))
+RATE: Final = "20"  # [Hz] of the sentences, at most: there is one for each tick
+ANGLE: Final = re.compile(rb"\$INRSA,(-?[0-9]+\.[0-9]+),A[^\n]*\n")
+A_SECOND: Final = 4  # orders, for a second asked for
+GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)  # of whose multiples any number are spread evenly
+PATIENCE: Final = 30.0  # [s] a first start
+BINS: Final = 10  # of the histogram, to a step
+ALLOWED: Final = 0.020  # [s] beyond half a step
+WIDEST: Final = 40  # [characters] of its bars
 
 
 def begin_session(words: Sequence[str]) -> "subprocess.Popen[str]":
@@ -110,17 +119,6 @@ def on_terminal(*words: str) -> Iterator[tuple[Line, "subprocess.Popen[bytes]"]]
         ) as process:
             os.close(terminal)
             yield screen, process
-
-
-ORDERS: Final = (("rudder left full", -1.0), ("rudder right full", 1.0))
-RATE: Final = "20"  # [Hz] of the sentences, at most: there is one for each tick
-ANGLE: Final = re.compile(rb"\$INRSA,(-?[0-9]+\.[0-9]+),A[^\n]*\n")
-A_SECOND: Final = 4  # orders, for a second asked for
-GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)  # of whose multiples any number are spread evenly
-PATIENCE: Final = 30.0  # [s] a first start
-BINS: Final = 10  # of the histogram, to a step
-ALLOWED: Final = 0.020  # [s] beyond half a step
-WIDEST: Final = 40  # [characters] of its bars
 
 
 @dataclass(frozen=True)

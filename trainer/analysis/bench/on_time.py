@@ -31,6 +31,8 @@ BUSY: Final = (sys.executable, "-c", "while True: pass")
 ENDED: Final = 60.0  # [s] for a process to end, beyond the time it was given
 WISHES: Final = ("subscribe gauges at 50 hz", "subscribe steering at 50 hz")
 MISSED: Final = ("overruns", "slipped", "gaps")  # in the account of a run
+STEP: Final = 0.01  # [s]
+METRONOME: Final = (sys.executable, "-m", "trainer.analysis.bench.metronome")
 
 
 @dataclass(frozen=True)
@@ -129,10 +131,6 @@ def count_missed(entry: str) -> int:
     """Return how many deadlines an account says were missed."""
     parts = (part.split() for part in entry.split(","))
     return sum(int(part[1]) for part in parts if part and part[0] in MISSED)
-
-
-STEP: Final = 0.01  # [s]
-METRONOME: Final = (sys.executable, "-m", "trainer.analysis.bench.metronome")
 
 
 @dataclass(frozen=True)

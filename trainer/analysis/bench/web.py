@@ -24,7 +24,7 @@ from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.io.orders.sentences import order_sentence
-from trainer.report.html import find_browser
+from trainer.report.pdf import find_browser
 from trainer.session.time.ledger import Spread
 
 if TYPE_CHECKING:
@@ -41,23 +41,6 @@ ROLES: Final = {  # who they are, and what each wants to see
     "instructor": ("motion", "orders", "time"),
 }
 SHORT: Final = 10.0  # [s] a shorter run is not to take many times as long as it says
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How much is measured at a page."""
-
-    loads: int
-    orders: int
-    pause: int  # [ms] between orders
-    watched: int  # [ms] in which pictures are counted
-
-    @classmethod
-    def of(cls, seconds: float) -> "Effort":
-        """Return what suits a run of so long."""
-        return cls(5, 60, 100, 2000) if seconds >= SHORT else cls(2, 20, 50, 1000)
-
-
 SERVED: Final = re.compile(r"pages at (http://\S+)/")
 FIRST_PICTURE: Final = """() => new Promise((done) => {
   const look = () => {
@@ -99,6 +82,21 @@ COUNT_PICTURES: Final = """(watched) => new Promise((done) => {
   motion.addEventListener("frame", () => { pictures += 1; });
   setTimeout(() => done([pictures / watched * 1000, motion.cost]), watched);
 })"""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is measured at a page."""
+
+    loads: int
+    orders: int
+    pause: int  # [ms] between orders
+    watched: int  # [ms] in which pictures are counted
+
+    @classmethod
+    def of(cls, seconds: float) -> "Effort":
+        """Return what suits a run of so long."""
+        return cls(5, 60, 100, 2000) if seconds >= SHORT else cls(2, 20, 50, 1000)
 
 
 class NoBrowserError(ConfigError):

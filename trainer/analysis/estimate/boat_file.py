@@ -61,6 +61,36 @@ DEPTH: Final = 0.85  # [lengths] of the start
 SHALLOWEST: Final = 5.0  # [m] of it
 FIRST: Final = "schema"  # the key that a vessel file begins with
 MASS_SLACK: Final = 0.3  # of the mass against the displaced
+HEAD: Final = """\
+# {name}: estimated from the drawing of its hull by `trainer estimate`, version {version}.
+# Nothing here is measured. docs/own-hull.md says how it was made and how far it may be trusted.
+# Body axes: x forward, y starboard, z down; the origin on the hull's axis, abeam of the centre of
+# gravity. Each coefficient has its standard deviation (sd) and what it rests on."""
+STUDY: Final = """\
+# Bands of a turn: draws of all coefficients of an estimated boat. Any other manoeuvre, or an
+# exercise, may stand in the place of the turn: docs/sweeps.md.
+schema = "sweep/1"
+name = "Turns of an estimated boat"
+vessel = {boat}
+measures = ["advance", "tactical diameter", "steady diameter"]
+
+[method]
+equations = "full"
+
+[manoeuvre]
+name = "turning-circle"
+angle_deg = {rudder:g}
+
+[sample]
+plan = "monte-carlo"
+members = 200
+seed = 1
+
+[[vary]]
+name = "draw"
+key = "vessel"
+distribution = "estimate"
+"""
 
 
 def load(name_or_path: str) -> Hull:
@@ -332,13 +362,6 @@ def _coefficient_lines(made: Estimate, values: Mapping[str, float]) -> Iterator[
                 yield f"{term.key} = {values[term.key]!r}   {note}"
 
 
-HEAD: Final = """\
-# {name}: estimated from the drawing of its hull by `trainer estimate`, version {version}.
-# Nothing here is measured. docs/own-hull.md says how it was made and how far it may be trusted.
-# Body axes: x forward, y starboard, z down; the origin on the hull's axis, abeam of the centre of
-# gravity. Each coefficient has its standard deviation (sd) and what it rests on."""
-
-
 def boat_text(made: Estimate, tables: Mapping[str, Any]) -> str:
     """Return the vessel file of an estimate, without gains."""
     lines = HEAD.format(name=made.hull.file.name, version=__version__).splitlines()
@@ -420,33 +443,6 @@ def roll_frequency(file: VesselFile) -> float:
     righting = hull.weight * hull.cg[2] - hull.buoyancy * hull.cb[2]
     water = 0.5 * file.fluid.rho * hull.length**5 * file.coefficients["K_pdot"]
     return math.sqrt(max(righting, 0.0) / (hull.Ix - water))
-
-
-STUDY: Final = """\
-# Bands of a turn: draws of all coefficients of an estimated boat. Any other manoeuvre, or an
-# exercise, may stand in the place of the turn: docs/sweeps.md.
-schema = "sweep/1"
-name = "Turns of an estimated boat"
-vessel = {boat}
-measures = ["advance", "tactical diameter", "steady diameter"]
-
-[method]
-equations = "full"
-
-[manoeuvre]
-name = "turning-circle"
-angle_deg = {rudder:g}
-
-[sample]
-plan = "monte-carlo"
-members = 200
-seed = 1
-
-[[vary]]
-name = "draw"
-key = "vessel"
-distribution = "estimate"
-"""
 
 
 def study_text(boat: str, rudder: float) -> str:

@@ -29,6 +29,14 @@ EVERY: Final = 2  # stations a point of the outline
 BROAD: Final = 0.3  # share of a panel that a view shows: less is seen edge on, and not named
 ROW, BARS_LEFT, BARS_WIDTH, BARS_EDGE = 26.0, 150.0, 340.0, 40.0  # [px] of a bar chart
 LETTER: Final = 6.2  # [px] about as wide as one
+ENOUGH: Final = 40  # draws, of which one lies beyond either end of 95 %
+HEADS: Final = ("", "estimate", "68 %", "95 %")
+INFLUENCE_HEADS: Final = ("input", "value", "changed by", "lower", "higher")
+NOTE: Final = (
+    "Bands are of draws of the whole set: first the constants of the method, then each "
+    "coefficient. They know nothing of a wrong drawing."
+)
+LEGEND: Final = "Thick: 68 of 100 draws; thin: 95 of 100; line: the estimate. " + NOTE
 
 
 @dataclass(frozen=True)
@@ -169,16 +177,6 @@ def draw_influences(found: tuple[Influence, ...]) -> Markup:
             parts.append(rect(style, ends[0], at, ends[1] - ends[0], 8.0))
     parts.append(rule("axis", across.at(0.0), 4.0, across.at(0.0), 8.0 + ROW * len(found)))
     return _bar_chart("What moves the turn most", parts, len(found), across, "%")
-
-
-ENOUGH: Final = 40  # draws, of which one lies beyond either end of 95 %
-HEADS: Final = ("", "estimate", "68 %", "95 %")
-INFLUENCE_HEADS: Final = ("input", "value", "changed by", "lower", "higher")
-NOTE: Final = (
-    "Bands are of draws of the whole set: first the constants of the method, then each "
-    "coefficient. They know nothing of a wrong drawing."
-)
-LEGEND: Final = "Thick: 68 of 100 draws; thin: 95 of 100; line: the estimate. " + NOTE
 
 
 def render(found: Survey, written: Written) -> str:

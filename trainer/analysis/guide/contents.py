@@ -1,19 +1,16 @@
 """The guide's contents: everything flown, judged and computed for one boat, and what moved."""
 
 import hashlib
-import json
 import platform
-import re
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import metadata
-from pathlib import Path
 from typing import Any, Final
 
 from trainer import __version__
 from trainer.analysis.check import round_speeds
-from trainer.analysis.guide import findings, verdicts
+from trainer.analysis.guide import findings, reasons
 from trainer.analysis.guide.findings import Finding, StepRun
 from trainer.analysis.guide.programme import SETS, Flown, Leg, Task, fly_all
 from trainer.analysis.guide.trials import (
@@ -35,7 +32,6 @@ from trainer.analysis.guide.verdicts import (
 )
 from trainer.analysis.manoeuvres.catalogue import Parameters, parameters
 from trainer.analysis.programs import characteristic, neutral, thrust
-from trainer.config.files import ConfigError, no_constant, quote
 from trainer.config.vessel import VesselFile
 from trainer.core.cache import core_digest
 
@@ -79,7 +75,7 @@ class Guide:
     sheets: tuple[Sheet, ...]
     findings: tuple[Finding, ...]
     steps: tuple[StepRun, ...]
-    drops: tuple[verdicts.Drop, ...]
+    drops: tuple[reasons.Drop, ...]
     trials: tuple[Compared, ...]
     waves: tuple[WavesCompared, ...]
     neutral: neutral.Neutral
@@ -112,7 +108,7 @@ def tasks(file: VesselFile, legs: Sequence[Leg]) -> tuple[Task, ...]:
         *(leg.task(file, equations) for leg in legs for equations in SETS),
         *findings.step_tasks(file),
         *findings.tasks(file),
-        *verdicts.drop_tasks(file),
+        *reasons.drop_tasks(file),
         *(trial.task(file) for trial in (load_published(path)[0] if path else ())),
     )
     return tuple(dict.fromkeys(found))
@@ -152,7 +148,7 @@ def assemble(file: VesselFile, legs: Sequence[Leg], made: str, flown: Flown) -> 
         sheets=sheets,
         findings=findings.study(file, flown, stepped),
         steps=stepped,
-        drops=verdicts.drop_study(file, flown),
+        drops=reasons.drop_study(file, flown),
         trials=tuple(compare_trials(file, trials, flown)),
         waves=tuple(compare_waves(file, waves)),
         neutral=neutral.neutral(file, speeds),
@@ -185,104 +181,3 @@ def tally(guide: Guide, equations: str) -> dict[str, Any]:
         "shown": sum(sheet.counted(equations, SHOWN) for sheet in sheets),
         "manoeuvres": account([sheet.passed(equations) for sheet in sheets]),
     }
-
-
-# The moves of a guide since an earlier one.
-
-
-EMBEDDED: Final = re.compile(
-    r'<script type="application/json" id="guide">(.*?)</script>', re.DOTALL
-)
-SAME: Final = 1e-6  # [-] relative difference that is none
-TINY: Final = 1e-12
-MOST: Final = 50_000_000  # [byte] of an earlier guide
-
-
-@dataclass(frozen=True)
-class Moved:
-    """One number or verdict that is not what it was."""
-
-    what: str
-    before: float | str | None  # None: it was not there
-    after: float | str | None
-
-    @property
-    def percent(self) -> float | None:
-        """Return the change [%] of what it was; None if that cannot be told."""
-        if isinstance(self.before, float) and isinstance(self.after, float) and self.before:
-            return 100.0 * (self.after - self.before) / abs(self.before)
-        return None
-
-
-def load_earlier(path: Path, vessel: str) -> Mapping[str, Any]:
-    """Return an earlier guide, JSON or HTML; ConfigError if it is none of that boat."""
-    try:
-        if path.stat().st_size > MOST:
-            raise ConfigError(f"--baseline {path}: is larger than any guide; not read")
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "is not UTF-8 text"
-        raise ConfigError(f"--baseline {path}: {reason}") from None
-    embedded = EMBEDDED.search(text)
-    try:
-        written = embedded[1].replace("<\\/", "</") if embedded else text
-        guide = json.loads(written, parse_constant=no_constant)
-        name = guide["vessel"]
-        dict(leaves(guide))
-    except (ValueError, KeyError, TypeError, AttributeError):
-        raise ConfigError(
-            f"--baseline {path}: is no guide; give the file of --json or of --html"
-        ) from None
-    if name != vessel:
-        raise ConfigError(f"--baseline {path}: is a guide of {quote(name)}, not of {quote(vessel)}")
-    return guide  # type: ignore[no-any-return]
-
-
-def leaves(guide: Mapping[str, Any]) -> Iterator[tuple[str, float | str | None]]:
-    """Yield every number and verdict of a guide with what it is called."""
-    for sheet in guide["sheets"]:
-        for equations, rows in sheet["judgements"].items():
-            for row in rows:
-                name = f"{sheet['title']}: {row['quantity']}"
-                yield f"{name} [{row['unit']}], full", row["full"]
-                yield f"{name} [{row['unit']}], {equations}", row["other"]
-                yield f"{name}, {equations}: verdict", row["verdict"]
-    for one in guide["findings"]:
-        yield f"finding {one['title']}: verdict", one["verdict"]
-    for run in guide["steps"]:
-        name = f"{run['case']}, {run['scheme']} {run['rates']} {run['step_s']:.3g} s"
-        yield f"{name} [%]", run["percent"]
-    for trial in guide["trials"]:
-        results = trial["trial"]["results"]
-        for result, value in zip(results, trial["ours"], strict=True):
-            yield f"{trial['trial']['title']}: {result['quantity']} [{result['unit']}]", value
-    for one in guide.get("waves", ()):
-        for row in one["rows"]:
-            name = f"{one['waves']['title']}, {row['depth_m']:g} m"
-            yield f"{name}: heave [-]", row["ours"][0]
-            yield f"{name}: pitch [deg]", row["ours"][1]
-
-
-def compare_guides(earlier: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[Moved, ...]:
-    """Return what differs between two guides, the largest change first."""
-    before, after = dict(leaves(earlier)), dict(leaves(now))
-    found = [
-        Moved(name, before.get(name), after.get(name))
-        for name in dict.fromkeys([*before, *after])
-        if not _same(before.get(name), after.get(name))
-    ]
-    return tuple(sorted(found, key=lambda one: -_size(one)))
-
-
-def _same(before: float | str | None, after: float | str | None) -> bool:
-    """Return whether two entries are the same, numbers but for rounding."""
-    if isinstance(before, float) and isinstance(after, float):
-        return abs(after - before) <= SAME * max(abs(before), abs(after)) + TINY
-    return before == after
-
-
-def _size(one: Moved) -> float:
-    """Return how much an entry counts: verdicts first, then by relative change."""
-    if isinstance(one.before, str) or isinstance(one.after, str):
-        return float("inf")
-    return abs(one.percent) if one.percent is not None else 1e9

@@ -39,6 +39,24 @@ GOOD: Final = 1.0  # [%] error up to which a step is fine,
 BAD: Final = 5.0  # and from which it is of no use
 STILL: Final = 1e-3  # [rad] or of the speed: a column that moves less is not looked at
 AT_ONCE: Final = Rig(controls="once")
+HOLDS: Final = "holds"
+IN_PART: Final = "holds in part"
+FAILS: Final = "does not hold on this hull"
+UNTOLD: Final = "cannot be shown on this hull"
+RATIOS: Final = (0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.4, 1.8)  # of the critical speed
+NEAR: Final = 0.15  # [-] of it: where the reversal has to be
+TAIL: Final = 0.1  # [-] of a flight, its last part
+OFFSET: Final = TrimChange(angle_deg=2.0, duration_s=600.0)
+IN_TURNS: Final = ("Z_rr", "Z_vr", "Z_vv", "M_rr", "M_vr", "M_vv")
+RUINED: Final = 1.5  # [-] times the depth change with all terms
+LOST: Final = "depth is lost"
+LESS: Final = "depth changes less"
+LITTLE: Final = "little changes"
+ABSENT: Final = "not in this hull's data"
+TURN: Final = Turn()
+MEANDER: Final = Meander()
+BY_REPORT: Final = Rig(law="report")
+NONLINEAR: Final = ("Z_waw", "Z_ww", "Z_aw", "M_waw", "M_ww", "M_aw", "M_awq", "M_qaq")
 
 
 @dataclass(frozen=True)
@@ -131,27 +149,6 @@ def _ends(flight: Flight, name: str) -> tuple[float, float, float]:
     """Return the largest, the smallest and the last value of a column."""
     values = flight.column(name)
     return float(values.max()), float(values.min()), float(values[-1])
-
-
-HOLDS: Final = "holds"
-IN_PART: Final = "holds in part"
-FAILS: Final = "does not hold on this hull"
-UNTOLD: Final = "cannot be shown on this hull"
-
-RATIOS: Final = (0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.4, 1.8)  # of the critical speed
-NEAR: Final = 0.15  # [-] of it: where the reversal has to be
-TAIL: Final = 0.1  # [-] of a flight, its last part
-OFFSET: Final = TrimChange(angle_deg=2.0, duration_s=600.0)
-IN_TURNS: Final = ("Z_rr", "Z_vr", "Z_vv", "M_rr", "M_vr", "M_vv")
-RUINED: Final = 1.5  # [-] times the depth change with all terms
-LOST: Final = "depth is lost"
-LESS: Final = "depth changes less"
-LITTLE: Final = "little changes"
-ABSENT: Final = "not in this hull's data"
-TURN: Final = Turn()
-MEANDER: Final = Meander()
-BY_REPORT: Final = Rig(law="report")
-NONLINEAR: Final = ("Z_waw", "Z_ww", "Z_aw", "M_waw", "M_ww", "M_aw", "M_awq", "M_qaq")
 
 
 @dataclass(frozen=True)

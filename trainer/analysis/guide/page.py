@@ -6,7 +6,8 @@ from typing import Final
 
 from markupsafe import Markup
 
-from trainer.analysis.guide.contents import REDUCED, Guide, GuideContents, Moved, Sheet, tally
+from trainer.analysis.guide.contents import REDUCED, Guide, GuideContents, Sheet, tally
+from trainer.analysis.guide.moves import Moved
 from trainer.analysis.guide.programme import SETS, Leg
 from trainer.analysis.guide.summary import format_entry, verdicts_of
 from trainer.analysis.guide.trials import Compared, WavesCompared
@@ -48,6 +49,14 @@ COLUMN_NAMES: Final = {
 }
 MOVES_SHOWN = 300
 LEAST = 0.05  # [%] shown
+CONTENTS: Final = {
+    "overview": "Overview",
+    "findings": "What was found in 1969",
+    "published": "Published results",
+    "why": "Why the reduced sets differ",
+    "steps": "Steps and methods",
+    "programs": "Neutral angles, modes, thrust",
+}
 
 
 def anchor(title: str) -> str:
@@ -326,16 +335,6 @@ def _judgement_cells(one: Judgement | None) -> list[str | Cell]:
 
 
 # The page
-
-
-CONTENTS: Final = {
-    "overview": "Overview",
-    "findings": "What was found in 1969",
-    "published": "Published results",
-    "why": "Why the reduced sets differ",
-    "steps": "Steps and methods",
-    "programs": "Neutral angles, modes, thrust",
-}
 
 
 def render(book: GuideContents, moves: tuple[Moved, ...] | None) -> str:

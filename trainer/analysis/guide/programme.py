@@ -28,6 +28,26 @@ from trainer.units import KNOT
 OWN: Final = Rig()
 ALONE: Final = 4.0  # [s]
 CHUNK: Final = 6  # flights handed to a process at once
+SETS: Final = {  # equation set: accelerations, integrator
+    "full": ("exact", "rk4"),
+    "modified": ("lagged", "adams2"),
+    "basic": ("lagged", "adams2"),
+}
+OF_ONE_SPEED: Final = (  # at the boat's own speed or from rest, each to both sides or up and down
+    *("climbing-turn", "acceleration", "utmost-acceleration", "impulse", "rudder-impulse"),
+    *("turning-circle", "zigzag-10", "zigzag-20", "pull-out", "spiral", "reverse-spiral"),
+    *("vertical-zigzag", "crash-stop", "backing", "roll-decay", "plane-jam", "rudder-jam"),
+)
+BOTH_WAYS: Final = ("pull-out", "spiral", "reverse-spiral")  # by themselves
+SHALLOW: Final = ("turn", "zigzag-10", "trim")  # flown near the surface as well
+NEAR: Final = 2.5  # [diameters] of the origin's depth there: an estimate of periscope depth
+LOADS: Final = (0.002, -0.002)  # [-] of the weight, out of balance
+EXECUTES: Final = (5.0, 20.0)  # [deg] of the overshoots
+RUDDERS: Final = (15.0, 35.0)  # [deg] of the turns
+GRID: Final = 0.5  # [kn]
+OFFSETS_1969, EXECUTES_1969 = (10.0, 20.0), (4.0, 8.0, 12.0, 16.0)  # [deg] of the overshoots
+RUDDERS_1969: Final = (15.0, 25.0, 35.0)  # [deg]
+RUDDER: Final = "rudder"  # stands for its angle until the boat's limit is known
 
 
 @dataclass(frozen=True)
@@ -97,28 +117,6 @@ def fly_all(path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], No
                 found[task] = flight
                 step()
     return found
-
-
-SETS: Final = {  # equation set: accelerations, integrator
-    "full": ("exact", "rk4"),
-    "modified": ("lagged", "adams2"),
-    "basic": ("lagged", "adams2"),
-}
-OF_ONE_SPEED: Final = (  # at the boat's own speed or from rest, each to both sides or up and down
-    *("climbing-turn", "acceleration", "utmost-acceleration", "impulse", "rudder-impulse"),
-    *("turning-circle", "zigzag-10", "zigzag-20", "pull-out", "spiral", "reverse-spiral"),
-    *("vertical-zigzag", "crash-stop", "backing", "roll-decay", "plane-jam", "rudder-jam"),
-)
-BOTH_WAYS: Final = ("pull-out", "spiral", "reverse-spiral")  # by themselves
-SHALLOW: Final = ("turn", "zigzag-10", "trim")  # flown near the surface as well
-NEAR: Final = 2.5  # [diameters] of the origin's depth there: an estimate of periscope depth
-LOADS: Final = (0.002, -0.002)  # [-] of the weight, out of balance
-EXECUTES: Final = (5.0, 20.0)  # [deg] of the overshoots
-RUDDERS: Final = (15.0, 35.0)  # [deg] of the turns
-GRID: Final = 0.5  # [kn]
-OFFSETS_1969, EXECUTES_1969 = (10.0, 20.0), (4.0, 8.0, 12.0, 16.0)  # [deg] of the overshoots
-RUDDERS_1969: Final = (15.0, 25.0, 35.0)  # [deg]
-RUDDER: Final = "rudder"  # stands for its angle until the boat's limit is known
 
 
 @dataclass(frozen=True)

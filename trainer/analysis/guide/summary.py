@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from itertools import chain
 
-from trainer.analysis.guide.contents import REDUCED, Guide, Moved, Sheet, tally
+from trainer.analysis.guide.contents import REDUCED, Guide, Sheet, tally
+from trainer.analysis.guide.moves import Moved
 from trainer.analysis.guide.verdicts import BEYOND, WITHIN
 from trainer.report.text import INDENT, cut, plain, table, wrap
 

@@ -1,18 +1,12 @@
 """Two flights of one manoeuvre judged: measures, peaks, zero crossings, change of change."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from trainer.analysis.guide.programme import Flown, Task
-from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import PERCENT, Measure
 from trainer.analysis.programs.compare import compare
-from trainer.boat.assemble import Method
-from trainer.config.vessel import VesselFile
-from trainer.core.terms import COEFFICIENTS
-from trainer.units import KNOT
 
 WITHIN: Final = "within"
 BEYOND: Final = "BEYOND"
@@ -115,98 +109,3 @@ def _changes(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judg
 def unit_of(column: str) -> str:
     """Return the unit of a column."""
     return UNITS.get(column, "rad/s" if column in RATES else "rad")
-
-
-# The reason of a difference: each dropped coefficient's effect on a turn and a meander.
-
-
-Look = Mapping[str, tuple[str, ...]]  # manoeuvre: measures that are shown
-LOOKED_AT: Final[Look] = {
-    "turn": ("steady diameter", "steady speed", "largest roll"),
-    "meander": ("pitch peak 1", "damping ratio"),
-}
-NOTHING: Final = 0.1  # [%] a smaller effect on everything is not shown
-
-
-@dataclass(frozen=True)
-class Drop:
-    """One coefficient put to zero in the full set."""
-
-    coefficient: str
-    value: float  # [-]
-    percent: dict[str, float | None]  # change by manoeuvre and measure
-
-    @property
-    def worst(self) -> float:
-        """Return the largest change [%] of any measure."""
-        return max((abs(x) for x in self.percent.values() if x is not None), default=0.0)
-
-
-def list_dropped(file: VesselFile) -> tuple[str, ...]:
-    """Return the coefficients of this boat that its modified set drops."""
-    kept = file.compact.extra_terms
-    factors = file.compensation["modified"]
-    return tuple(
-        term.key
-        for term in COEFFICIENTS
-        if file.coefficients[term.key]
-        and (not (term.kept or term.key in kept) or factors.get(term.key) == 0.0)
-    )
-
-
-def _task(file: VesselFile, name: str, zeroed: tuple[str, ...]) -> Task:
-    """Return the flight of one manoeuvre by the full set, at the boat's start speed."""
-    method = Method("full", "exact", "exact", "rk4", file.run.step_s)
-    return Task(find_manoeuvre(name), file.run.start_speed_kn * KNOT, method, zeroed=zeroed)
-
-
-def drop_tasks(file: VesselFile) -> Iterator[Task]:
-    """Yield the flights that tell what the dropped coefficients do."""
-    yield from tasks_without(file, list_dropped(file), LOOKED_AT)
-    for name in LOOKED_AT:
-        yield _task(file, name, list_dropped(file))
-
-
-def tasks_without(file: VesselFile, coefficients: Sequence[str], look: Look) -> Iterator[Task]:
-    """Yield the flights with all coefficients, and without each of some."""
-    for name in look:
-        yield _task(file, name, ())
-        for coefficient in coefficients:
-            yield _task(file, name, (coefficient,))
-
-
-def _figures(look: Look, name: str, flight: Flight | str) -> dict[str, float | None]:
-    """Return the measures looked at, by manoeuvre and name."""
-    if isinstance(flight, str):
-        return {}
-    values = {one.name: one.value for one in find_manoeuvre(name).measures(flight)}
-    return {f"{name}: {measure}": values.get(measure) for measure in look[name]}
-
-
-def drop_study(file: VesselFile, flown: Flown) -> tuple[Drop, ...]:
-    """Return the effect of each dropped coefficient, the largest first, then of all together."""
-    together = _drop(file, flown, list_dropped(file), LOOKED_AT)
-    return (*effects(file, flown, list_dropped(file), LOOKED_AT), together)
-
-
-def effects(
-    file: VesselFile, flown: Flown, coefficients: Sequence[str], look: Look
-) -> tuple[Drop, ...]:
-    """Return what each of some coefficients does, the largest effect first, none of NOTHING."""
-    alone = [_drop(file, flown, (coefficient,), look) for coefficient in coefficients]
-    alone = [drop for drop in alone if drop.worst >= NOTHING]
-    return tuple(sorted(alone, key=lambda drop: -drop.worst))
-
-
-def _drop(file: VesselFile, flown: Flown, zeroed: tuple[str, ...], look: Look) -> Drop:
-    """Return what putting coefficients to zero changes [%]."""
-    percent: dict[str, float | None] = {}
-    for name in look:
-        before = _figures(look, name, flown[_task(file, name, ())])
-        after = _figures(look, name, flown[_task(file, name, zeroed)])
-        for measure, value in before.items():
-            new = after.get(measure)
-            percent[measure] = 100.0 * (new - value) / abs(value) if value and new else None
-    if len(zeroed) == 1:
-        return Drop(zeroed[0], file.coefficients[zeroed[0]], percent)
-    return Drop("all of them", 0.0, percent)

@@ -14,7 +14,8 @@ from trainer.analysis.manoeuvres.speeds import (
     CrashStop,
     UtmostAcceleration,
 )
-from trainer.analysis.manoeuvres.turns import ClimbingTurn, PullOut, ReverseSpiral, Spiral, Turn
+from trainer.analysis.manoeuvres.steadiness import PullOut, ReverseSpiral, Spiral
+from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
 from trainer.analysis.manoeuvres.vehicle import Vehicle, limit
 from trainer.analysis.manoeuvres.vertical import (
     Impulse,
@@ -59,16 +60,6 @@ MANOEUVRES: Final[Mapping[str, Manoeuvre]] = MappingProxyType(
         "rudder-jam": RudderJam(),
     }
 )
-
-
-def find_manoeuvre(name: str) -> Manoeuvre:
-    """Return the manoeuvre of that name; ConfigError if there is none."""
-    if name not in MANOEUVRES:
-        known = ", ".join(MANOEUVRES)
-        raise ConfigError(f"no manoeuvre {name!r}{nearest(name, MANOEUVRES)}; there are {known}")
-    return MANOEUVRES[name]
-
-
 PARAMETERS: Final = {  # as an engineer names them, and the fields of the manoeuvres
     "angle": "angle_deg",
     "execute": "execute_deg",
@@ -82,6 +73,14 @@ PARAMETERS: Final = {  # as an engineer names them, and the fields of the manoeu
     "direction": "direction",
 }
 Parameters = dict[str, float | str]
+
+
+def find_manoeuvre(name: str) -> Manoeuvre:
+    """Return the manoeuvre of that name; ConfigError if there is none."""
+    if name not in MANOEUVRES:
+        known = ", ".join(MANOEUVRES)
+        raise ConfigError(f"no manoeuvre {name!r}{nearest(name, MANOEUVRES)}; there are {known}")
+    return MANOEUVRES[name]
 
 
 def parameters(manoeuvre: Manoeuvre) -> Parameters:

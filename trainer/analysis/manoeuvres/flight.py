@@ -38,6 +38,9 @@ from trainer.core.kernel import Numbers
 
 Cycles = Generator[None, None, None]
 EARLY = 1e-9  # [s] rounding of a sum of steps
+LONGEST = 2_000_000  # [cycles] of a flight
+SIDEWAYS: Final = ("v", "p", "r", "y", "phi", "psi", "delta_r")  # columns that a mirror turns over
+CHOICES: Final = {"side": (STARBOARD, PORT), "direction": (RISE, DIVE)}
 
 
 class Mark(NamedTuple):
@@ -158,11 +161,6 @@ class Conn:
             return
         while self.time < end and not (watch and self.passed(watch)):
             yield
-
-
-LONGEST = 2_000_000  # [cycles] of a flight
-SIDEWAYS: Final = ("v", "p", "r", "y", "phi", "psi", "delta_r")  # columns that a mirror turns over
-CHOICES: Final = {"side": (STARBOARD, PORT), "direction": (RISE, DIVE)}
 
 
 @dataclass(frozen=True)

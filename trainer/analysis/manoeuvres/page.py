@@ -14,8 +14,8 @@ from trainer.analysis.manoeuvres.catalogue import (
     parameters,
 )
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly
+from trainer.analysis.manoeuvres.steadiness import WAYS
 from trainer.analysis.manoeuvres.submarine import CALM, DEEP, Rig, Submarine
-from trainer.analysis.manoeuvres.turns import WAYS
 from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError

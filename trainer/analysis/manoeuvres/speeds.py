@@ -21,6 +21,7 @@ STEP: Final = 5.0 * KNOT  # [m/s] of 1969
 STEPS: Final = 3.0  # [-] the fewest that a step of its own choice makes
 EARLY: Final = 1e-9  # [-] rounding of a number of steps
 READINGS: Final = (0.1, 0.25, 0.5, 0.6, 0.8, 1.0)  # of the duration
+BEYOND = 0.1  # [-] of the time to stop
 
 
 def ahead(conn: Conn, knots: float | None) -> float:
@@ -94,9 +95,6 @@ class UtmostAcceleration(Manoeuvre):
         if flight.has("z"):
             found.append(show_only("largest depth change", "m", largest(flight.change("z"))))
         return found
-
-
-BEYOND = 0.1  # [-] of the time to stop
 
 
 @dataclass(frozen=True)

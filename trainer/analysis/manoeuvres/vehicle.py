@@ -18,6 +18,11 @@ RISE: Final = "rise"
 DIVE: Final = "dive"
 # of an order of rudder or planes to that side, as ``Vehicle`` counts them
 SIGNS: Final[Mapping[Side | Direction, float]] = {STARBOARD: 1.0, PORT: -1.0, RISE: 1.0, DIVE: -1.0}
+PERCENT: Final = 5.0  # [%] by which two flights may differ
+SECONDS: Final = 5.0  # [s] by which their zero crossings may
+MOST: Final = 6  # peaks, and crossings, of one quantity
+DEAD: Final = 2e-3  # [-] of the first swing: a smaller one is not told
+FAINT: Final = 0.05  # [-] of the first swing: a smaller one is shown and not judged
 
 
 class Control(NamedTuple):
@@ -121,13 +126,6 @@ def check_parts(vehicle: Vehicle, controls: tuple[str, ...], columns: tuple[str,
         for lacking in (name for name in wanted if name not in known):
             told = f"the manoeuvre {words.format(lacking)}, and it has {', '.join(known)} alone"
             raise ConfigError(f"{vehicle.name}: {told}")
-
-
-PERCENT: Final = 5.0  # [%] by which two flights may differ
-SECONDS: Final = 5.0  # [s] by which their zero crossings may
-MOST: Final = 6  # peaks, and crossings, of one quantity
-DEAD: Final = 2e-3  # [-] of the first swing: a smaller one is not told
-FAINT: Final = 0.05  # [-] of the first swing: a smaller one is shown and not judged
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from trainer.analysis.manoeuvres.vehicle import (
 
 LEAD: Final = 2.0  # [s] of straight flight
 CYCLES: Final = 5  # of a decay that are told
+EARLY: Final = 1e-9  # [s] rounding
 
 
 @dataclass(frozen=True)
@@ -217,9 +218,6 @@ def half_cycle_damping(found: list[Measure]) -> float | None:
         return None
     decrement = math.log(abs(first / second))
     return decrement / math.hypot(math.pi, decrement)
-
-
-EARLY: Final = 1e-9  # [s] rounding
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,10 @@ from trainer.units import KNOT
 VERTICAL: Final = ("w", "q", "theta")
 HORIZONTAL: Final = ("v", "p", "r", "phi")
 LOOP: Final = ("w", "q", "theta", "z")
+# quasi-linear coefficients of the vertical and of the horizontal plane
+DOWNWARDS: Final = ("Z_w", "M_w", "M_q")
+SIDEWAYS: Final = ("Y_v", "K_v", "N_v", "Y_p", "K_p", "N_r")
+HEADS: Final = ("", "root\n[1/s]", "|s|\n[rad/s]", "damping\nratio", "period\n[s]", "")
 
 
 class Means(NamedTuple):
@@ -305,12 +309,6 @@ def _at_speed(
         horizontal=motion(horizontal(file, speed, means)),
         depth_loop=motion(loop),
     )
-
-
-# quasi-linear coefficients of the vertical and of the horizontal plane
-DOWNWARDS: Final = ("Z_w", "M_w", "M_q")
-SIDEWAYS: Final = ("Y_v", "K_v", "N_v", "Y_p", "K_p", "N_r")
-HEADS: Final = ("", "root\n[1/s]", "|s|\n[rad/s]", "damping\nratio", "period\n[s]", "")
 
 
 def _motion_lines(title: str, motion: Motion) -> list[str]:

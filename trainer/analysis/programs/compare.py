@@ -44,6 +44,7 @@ VARIABLES: Final = {
     "psi": math.radians(0.1),
     "r": math.radians(0.01),
 }
+HEADS: Final = ("", "", "t full\n[s]", "t other\n[s]", "full", "other", "percent", "")
 
 
 @dataclass(frozen=True)
@@ -206,9 +207,6 @@ def _point(name: str, point: str, full: Numbers, reduced: Numbers, allowed: floa
         judged=True,
         passed=percent is not None and abs(percent) <= allowed,
     )
-
-
-HEADS: Final = ("", "", "t full\n[s]", "t other\n[s]", "full", "other", "percent", "")
 
 
 def render(report: Comparison) -> str:

@@ -27,6 +27,28 @@ INVERSE: Final = {3: "1/m2", 4: "1/m", 5: "-"}  # the same over a moment of iner
 AXES: Final = "KMN"  # whose compact constants are over a moment of inertia
 BLOCKS: Final = ("whole", "limit", "added")  # other names of numbers that are listed already
 SURFACES: Final = ("rudder", "stern planes", "bow planes")
+MASS_UNITS: Final = {**dict.fromkeys("123", "kg"), **dict.fromkeys("456", "kg m2")}
+# what the places of an array are, where they have names
+PLACES: Final[Mapping[str, tuple[str, ...]]] = {
+    **dict.fromkeys(("capacity", "x", "y", "z", "start"), TANKS),
+    **dict.fromkeys(("height", "port", "vent_area", "blow_area", "emergency_area"), BLOWN),
+    **dict.fromkeys(("bank_volume", "bank_full"), BANKS),
+    "pump_rate": PUMPS,
+    "gain": tuple(GAINS),
+    **dict.fromkeys(
+        ("stall_ahead", "stall_slope", "stall_astern", "stall_arm", "plane_drag"), SURFACES
+    ),
+}
+# which constants tell how many rows and columns of an array are in use
+COUNTS: Final[Mapping[str, tuple[str, str]]] = {
+    "gain_speed": ("", "gain_count"),
+    "gain": ("gain_count", ""),
+    "surface_depth": ("", "surface_depths"),
+    "surface_speed": ("", "surface_speeds"),
+    **dict.fromkeys(("surface_Z", "surface_M"), ("surface_speeds", "surface_depths")),
+    **dict.fromkeys(("layer_depth", "layer_density"), ("", "layers")),
+}
+_tables = lru_cache(maxsize=2)(tomllib.loads)  # of a vessel file, parsed once for all of its keys
 
 
 class Source(NamedTuple):
@@ -41,7 +63,6 @@ def _sources(unit: str, **keys: str) -> dict[str, Source]:
     return {symbol: Source(unit, key) for symbol, key in keys.items()}
 
 
-MASS_UNITS: Final = {**dict.fromkeys("123", "kg"), **dict.fromkeys("456", "kg m2")}
 HULL: Final = {
     **_sources("kg/m3", rho="fluid.rho"),
     **_sources("m/s2", g="fluid.g"),
@@ -147,27 +168,6 @@ GROUPS: Final[Mapping[str, Mapping[str, Source]]] = {
     "TANKS, AIR AND PUMPS": BALLAST,
     "BEYOND THE RANGE OF THE COEFFICIENTS, AND IN WAVES": ENVELOPE,
 }
-# what the places of an array are, where they have names
-PLACES: Final[Mapping[str, tuple[str, ...]]] = {
-    **dict.fromkeys(("capacity", "x", "y", "z", "start"), TANKS),
-    **dict.fromkeys(("height", "port", "vent_area", "blow_area", "emergency_area"), BLOWN),
-    **dict.fromkeys(("bank_volume", "bank_full"), BANKS),
-    "pump_rate": PUMPS,
-    "gain": tuple(GAINS),
-    **dict.fromkeys(
-        ("stall_ahead", "stall_slope", "stall_astern", "stall_arm", "plane_drag"), SURFACES
-    ),
-}
-
-# which constants tell how many rows and columns of an array are in use
-COUNTS: Final[Mapping[str, tuple[str, str]]] = {
-    "gain_speed": ("", "gain_count"),
-    "gain": ("gain_count", ""),
-    "surface_depth": ("", "surface_depths"),
-    "surface_speed": ("", "surface_speeds"),
-    **dict.fromkeys(("surface_Z", "surface_M"), ("surface_speeds", "surface_depths")),
-    **dict.fromkeys(("layer_depth", "layer_density"), ("", "layers")),
-}
 
 
 @dataclass(frozen=True)
@@ -215,9 +215,6 @@ class Report:
     groups: dict[str, tuple[Constant, ...]]
     coefficients: tuple[Coefficient, ...]
     compact: tuple[Compact, ...]
-
-
-_tables = lru_cache(maxsize=2)(tomllib.loads)  # of a vessel file, parsed once for all of its keys
 
 
 def origin_of(file: VesselFile, key: str) -> str:

@@ -29,6 +29,15 @@ FURTHEST: Final = 0.3  # [-] of itself that a root moves in a round: real ones s
 STIFFEST: Final = 1e15  # [-] damping of the step beyond which no step helps
 PENCIL_SAMPLES: Final = 800  # of the response, for the pencil's start
 SAMPLES_PER_NUMBER: Final = 3  # of the response, for each number sought
+HEADS: Final = (
+    "",
+    "root\n[1/s]",
+    "std error\n[1/s]",
+    "|s|\n[rad/s]",
+    "damping\nratio",
+    "amplitude",
+    "phase\n[rad]",
+)
 
 
 @dataclass(frozen=True)
@@ -275,17 +284,6 @@ def response_in(
             f"to {last:g} s"
         )
     return series.t[inside], values[inside] - level, level
-
-
-HEADS: Final = (
-    "",
-    "root\n[1/s]",
-    "std error\n[1/s]",
-    "|s|\n[rad/s]",
-    "damping\nratio",
-    "amplitude",
-    "phase\n[rad]",
-)
 
 
 def _row(label: str, term: Term) -> tuple[str, ...]:

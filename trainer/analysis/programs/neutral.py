@@ -39,6 +39,9 @@ REAL: Final = 1e-9  # [-] of a root: an imaginary part below it is rounding
 HALVINGS: Final = 200
 ROUNDS: Final = 50  # of a speed at which solutions meet, near the surface
 SAME: Final = 1e-9  # [-] difference of two speeds
+DRAWN: Final = 20.0  # [deg] of pitch, either way
+POINTS: Final = 200  # of each side of a curve, in pitch and in speed
+HEADS: Final = ("speed\n[kn]", "planes", "w\n[m/s]", "pitch\n[deg]", "angle\n[deg]", "")
 
 
 class Side(NamedTuple):
@@ -299,13 +302,6 @@ def neutral(file: VesselFile, speeds: Iterable[float], depth: float | None = Non
 
 
 # The neutral angles as a page for a terminal, and as a plot.
-
-
-DRAWN: Final = 20.0  # [deg] of pitch, either way
-POINTS: Final = 200  # of each side of a curve, in pitch and in speed
-
-
-HEADS: Final = ("speed\n[kn]", "planes", "w\n[m/s]", "pitch\n[deg]", "angle\n[deg]", "")
 
 
 def _angle_rows(flight: Flight) -> Iterator[tuple[str, ...]]:

@@ -20,6 +20,15 @@ from trainer.config.vessel import VesselFile
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, part
 
+_AXES = (1, 2, 3)  # places of x, y, z in Weight
+KINDS: Final = ("pumped", "blown", "compartments")  # tables of [ballast]
+# What is free to be filled; the rest stays as it is.
+GROUPS: Final = {
+    "pumped tanks": ("pumped",),
+    "all tanks": ("pumped", "blown"),
+    "tanks and flooding": ("pumped", "blown", "compartments"),
+}
+
 
 class Weight(NamedTuple):
     """One weight and its place: the boat without tanks, or a tank's contents."""
@@ -73,9 +82,6 @@ def limits(hull: Weight, tanks: Sequence[Weight]) -> Limits:
     )
 
 
-_AXES = (1, 2, 3)  # places of x, y, z in Weight
-
-
 def _extreme(hull: Weight, tanks: Sequence[Weight], axis: int, sign: int) -> float:
     """Return the centre [m] furthest towards ``sign`` along an axis.
 
@@ -89,15 +95,6 @@ def _extreme(hull: Weight, tanks: Sequence[Weight], axis: int, sign: int) -> flo
         weight += tank.weight
         moment += tank.weight * tank[axis]
     return moment / weight
-
-
-KINDS: Final = ("pumped", "blown", "compartments")  # tables of [ballast]
-# What is free to be filled; the rest stays as it is.
-GROUPS: Final = {
-    "pumped tanks": ("pumped",),
-    "all tanks": ("pumped", "blown"),
-    "tanks and flooding": ("pumped", "blown", "compartments"),
-}
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,16 @@ from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, part
 from trainer.units import KNOT
 
+HEADS: Final = (
+    "u\n[kn]",
+    "u_c\n[kn]",
+    "row",
+    "thrust\n[kN]",
+    "T/m\n[m/s2]",
+    "as flown\n[m/s2]",
+)
+POINTS: Final = 201  # of a curve
+
 
 @dataclass(frozen=True)
 class Thrust:
@@ -107,17 +117,6 @@ def survey(file: VesselFile, speeds: Iterable[float], commands: Sequence[float])
         },
         points=tuple(at(file, u * KNOT, u_c * KNOT) for u in speeds for u_c in commands),
     )
-
-
-HEADS: Final = (
-    "u\n[kn]",
-    "u_c\n[kn]",
-    "row",
-    "thrust\n[kN]",
-    "T/m\n[m/s2]",
-    "as flown\n[m/s2]",
-)
-POINTS: Final = 201  # of a curve
 
 
 def render(report: Report) -> str:

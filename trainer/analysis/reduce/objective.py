@@ -2,9 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
-from typing import Final, Self
+from typing import Final
 
 import numpy as np
 
@@ -12,10 +10,9 @@ from trainer.analysis.guide.programme import Leg, own_method
 from trainer.analysis.guide.verdicts import Judgement, judge
 from trainer.analysis.manoeuvres.flight import Flight, fly
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
-from trainer.analysis.workers import workers
 from trainer.boat.assemble import body, thrust_rows
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.core.terms import BASIC_DROPS, EXTRA_TERMS, KEPT
 from trainer.core.vessel import compact_record
@@ -31,6 +28,7 @@ ADDED_MASSES: Final = (
     *("X_udot", "Y_vdot", "Y_rdot", "Z_wdot", "Z_qdot"),
     *("K_pdot", "M_wdot", "M_qdot", "N_vdot", "N_rdot"),
 )
+FURTHEST: Final = 10.0  # [-] a difference beyond this counts as this
 
 
 def terms(file: VesselFile, equations: str) -> tuple[str, ...]:
@@ -71,9 +69,6 @@ class Candidate:
             boat.boat.records.compact[:] = self._compact
             self._boats[leg.rig] = boat
         return fly(self._boats[leg.rig], leg.manoeuvre, leg.speed_kn * KNOT, beside.events)
-
-
-FURTHEST: Final = 10.0  # [-] a difference beyond this counts as this
 
 
 @dataclass(frozen=True)
@@ -141,63 +136,3 @@ def _fly_legs(file: VesselFile, legs: Sequence[Leg]) -> Iterator[tuple[Leg, Flig
             yield leg, fly(boats[leg.rig], leg.manoeuvre, leg.speed_kn * KNOT)
         except ConfigError:
             continue
-
-
-# Candidates fly side by side, one in each process. Any number of them gives the same numbers.
-
-
-NUDGE: Final = 1e-3  # [-] of a factor, for the difference quotients
-STEEPEST: Final = 500.0  # [-] slope; a steeper one is a number that jumps, and tells nothing
-CHUNK: Final = 4  # flights handed to a process at once
-
-_posts: dict[tuple[Path, str, tuple[Leg, ...]], tuple[Candidate, Yardstick]] = {}
-
-
-def _differences(path: Path, equations: str, legs: tuple[Leg, ...], factors: Numbers) -> Numbers:
-    """Return the differences of a candidate from the full set, in whichever process."""
-    post = path, equations, legs
-    if post not in _posts:
-        file = load_vessel(str(path))
-        _posts[post] = Candidate(file, equations), Yardstick(file, legs)
-    candidate, yardstick = _posts[post]
-    candidate.take(factors)
-    return yardstick.differences(candidate)
-
-
-class Crew:
-    """As many candidates as there are processors."""
-
-    def __init__(self, path: Path, equations: str, legs: tuple[Leg, ...], cores: int) -> None:
-        """Man the candidates of the boat in that file, to fly those legs."""
-        self.legs = legs
-        self._fly = partial(_differences, path, equations, legs)
-        self._cores = cores
-        self._pool = workers(cores) if cores > 1 else None
-
-    def __enter__(self) -> Self:
-        """Return the crew."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Send the crew home."""
-        if self._pool:
-            self._pool.shutdown(cancel_futures=True)
-
-    def differences(self, several: Sequence[Numbers]) -> list[Numbers]:
-        """Return the differences of candidates, each by row, in order."""
-        if self._pool is None or len(several) == 1:
-            return list(map(self._fly, several))
-        chunk = max(1, min(CHUNK, len(several) // self._cores))
-        return list(self._pool.map(self._fly, several, chunksize=chunk))
-
-    def slopes(self, factors: Numbers, free: Sequence[int], here: Numbers) -> Numbers:
-        """Return the slopes of the differences by ``free`` factors, (rows, all factors)."""
-        nudged = []
-        for place in free:
-            there = factors.copy()
-            there[place] += NUDGE
-            nudged.append(there)
-        found = np.zeros((here.size, factors.size))
-        for place, there in zip(free, self.differences(nudged), strict=True):
-            found[:, place] = (there - here) / NUDGE
-        return np.where(abs(found) > STEEPEST, 0.0, found)

@@ -1,16 +1,12 @@
 """A reduction as text, and written into a vessel file."""
 
-import re
-import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
-from trainer import __version__
-from trainer.analysis.guide.verdicts import Drop, account
+from trainer.analysis.guide.reasons import Drop
+from trainer.analysis.guide.verdicts import account
 from trainer.analysis.reduce.reduction import Reduction
-from trainer.analysis.reduce.search import Need
 from trainer.analysis.reduce.verdict import PARTS, Checked
-from trainer.core.terms import EXTRA_TERMS
 from trainer.report.text import figure, plain, table, wrap
 
 SHOWN: Final = 40  # rows of the table of sensitivities
@@ -99,73 +95,3 @@ def _verdict(checked: Sequence[Checked]) -> Iterator[str]:
             yield from wrap(f"{one.leg}: {one.quantity}, {one.worst:.2f} of the allowed")
         if left := "; ".join(one.leg for one in of_part if not one.judged):
             yield from wrap(f"not judged, the full set is lost or cannot start: {left}")
-
-
-# A reduction is written into a vessel file. All else in its text stays as it stands.
-
-
-OURS: Final = ("compact", "compensation.modified", "compensation.basic", "reduction")
-HEADER: Final = re.compile(r"\s*\[\[?\s*([^\]]+?)\s*\]")
-WIDTH: Final = 96
-BEFORE: Final = re.compile(r"^\[coefficients", re.MULTILINE)
-
-
-def rewritten(text: str, tables: str) -> str:
-    """Return the text of a vessel file with its reduction replaced by ``tables``."""
-    kept = "\n".join(_without_ours(text.splitlines()))
-    kept = re.sub(r"\n{3,}", "\n\n", kept)
-    first = BEFORE.search(kept)
-    if not first:
-        return f"{kept.rstrip()}\n\n{tables}"
-    place = _above_comments(kept, first.start())
-    return f"{kept[:place].rstrip()}\n\n{tables}\n{kept[place:].rstrip()}\n"
-
-
-def _above_comments(text: str, place: int) -> int:
-    """Return the start of the comment lines right above ``place``."""
-    lines = text[:place].split("\n")[:-1]
-    while lines and lines[-1].startswith("#"):
-        place -= len(lines.pop()) + 1
-    return place
-
-
-def _without_ours(lines: Sequence[str]) -> Iterator[str]:
-    """Yield the lines that are not of a table of ours; comments of their own stay."""
-    ours = False
-    for line in lines:
-        header = HEADER.match(line)
-        if header:
-            ours = header[1].replace(" ", "") in OURS
-        if not ours or line.startswith("#"):
-            yield line
-
-
-def factor_tables(
-    factors: Mapping[str, Mapping[str, float]], needs: Sequence[Need], notes: Mapping[str, float]
-) -> str:
-    """Return the tables of a reduction's ``factors`` by equation set and term. 0: dropped.
-
-    The evidence names what would be worst without each term beyond those of 1969.
-    """
-    extra = [name for name in EXTRA_TERMS if factors["modified"].get(name)]
-    names, indent = " ".join(f'"{name}",' for name in extra), " " * 4
-    rows = textwrap.wrap(names, WIDTH, initial_indent=indent, subsequent_indent=indent)
-    lines = ["[compact]", "extra_terms = [", *rows, "]", ""]
-    for name, of_set in factors.items():
-        shown = {
-            key: value
-            for key, value in of_set.items()
-            if value != 1.0 and (key not in EXTRA_TERMS or (value and key in extra))
-        }
-        listed = (f"{key} = {value:.4g}" for key, value in shown.items())
-        lines += [f"[compensation.{name}]   # 0: dropped", *listed, ""]
-    lines += ["[reduction]   # evidence; the program reads none of it"]
-    lines.append(f'by = "trainer reduce, version {__version__}"')
-    lines += [f"{key} = {value:.4g}" for key, value in notes.items()]
-    why = {need.term: need for need in needs}
-    for name in extra:
-        if name in why:
-            need = why[name]
-            words = f"without it {need.quantity} in {need.leg}: {need.worst:.3g} of the allowed"
-            lines.append(f'{name} = "{words}"')
-    return "\n".join(lines) + "\n"

@@ -46,6 +46,15 @@ LEAD: Final = 2.0  # [s] of straight flight
 LEGS: Final = (3.0, 6.0, 6.0)  # [lengths run] to one side, the other, and the first again
 READINGS: Final = (1 / 3, 2 / 3, 1.0)  # of a leg
 LEVEL: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "u": "m/s", "phi": "rad"}
+TURN_LENGTHS: Final = 120.0  # [lengths run] of a turn, until it is steady
+LENGTHS: Final = 40.0  # of all else
+SHORTEST: Final = 20.0  # [s] besides
+RUDDER: Final = 30.0  # [deg] the largest, or as far as it goes
+LOAD: Final = 0.002  # [-] of the weight, out of balance
+HALVINGS: Final = 5  # of a control's angle until the full set is not lost
+SIDES: Final[tuple[Side, Side]] = STARBOARD, PORT
+GENTLER: Final = ("jammed_lengths", "share", "planes_deg", "angle_deg")  # what is halved, the first
+PER_CYCLE: Final = ("pull-out", "spiral", "reverse-spiral")  # slow to fly; turns have their numbers
 
 
 @dataclass(frozen=True)
@@ -114,17 +123,6 @@ class VerticalWeave(_Weave):
 
     angle_deg: float = 5.0  # control
     direction: Direction = RISE
-
-
-TURN_LENGTHS: Final = 120.0  # [lengths run] of a turn, until it is steady
-LENGTHS: Final = 40.0  # of all else
-SHORTEST: Final = 20.0  # [s] besides
-RUDDER: Final = 30.0  # [deg] the largest, or as far as it goes
-LOAD: Final = 0.002  # [-] of the weight, out of balance
-HALVINGS: Final = 5  # of a control's angle until the full set is not lost
-SIDES: Final[tuple[Side, Side]] = STARBOARD, PORT
-GENTLER: Final = ("jammed_lengths", "share", "planes_deg", "angle_deg")  # what is halved, the first
-PER_CYCLE: Final = ("pull-out", "spiral", "reverse-spiral")  # slow to fly; turns have their numbers
 
 
 def speeds(file: VesselFile) -> tuple[float, ...]:

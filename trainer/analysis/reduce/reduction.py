@@ -12,13 +12,13 @@ import numpy as np
 
 from trainer import __version__
 from trainer.analysis.guide.programme import Leg
-from trainer.analysis.guide.verdicts import Drop
+from trainer.analysis.guide.reasons import Drop
+from trainer.analysis.reduce.candidates import Crew
 from trainer.analysis.reduce.objective import (
     ADDED_MASSES,
     CONTROLS,
     FIXED,
     Candidate,
-    Crew,
     Yardstick,
     terms,
 )
@@ -43,6 +43,12 @@ from trainer.core.terms import KEPT
 from trainer.io.atomic_write import write_whole
 
 ENDING: Final = ".partial.json"
+DIGITS: Final = 4  # of a factor in the file
+ASTRAY: Final = 1.5  # [-] of what is allowed, at the top speed: a second search flies there, with a
+FIRM: Final = 0.2  # [-] leash that keeps closer to the hull's data, where it can be
+SEARCHES: Final = 2  # at most
+BASIC_ROUNDS: Final = 6
+QUICK_ROUNDS: Final = 2  # of the same, of a quick search
 
 
 def checkpoint_of(result: Path) -> Path:
@@ -105,14 +111,6 @@ def discard_checkpoint(path: Path) -> None:
     """Take the file away, if it is there."""
     with contextlib.suppress(OSError):
         path.unlink()
-
-
-DIGITS: Final = 4  # of a factor in the file
-ASTRAY: Final = 1.5  # [-] of what is allowed, at the top speed: a second search flies there, with a
-FIRM: Final = 0.2  # [-] leash that keeps closer to the hull's data, where it can be
-SEARCHES: Final = 2  # at most
-BASIC_ROUNDS: Final = 6
-QUICK_ROUNDS: Final = 2  # of the same, of a quick search
 
 
 @dataclass(frozen=True)

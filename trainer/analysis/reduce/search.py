@@ -17,7 +17,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.analysis.guide.programme import Leg
-from trainer.analysis.reduce.objective import FIXED, Candidate, Crew, Yardstick
+from trainer.analysis.reduce.candidates import Crew
+from trainer.analysis.reduce.objective import FIXED, Candidate, Yardstick
 from trainer.analysis.reduce.programme import legs_of_guide
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
@@ -30,6 +31,19 @@ GAIN: Final = 0.995  # [-] of the cost: a step that brings less is the last
 NORM: Final = 8
 
 Fly = Callable[[Sequence[Numbers]], list[Numbers]]
+LIMIT: Final = 0.9  # [-] of what is allowed, in the flights fitted to
+PROOF: Final = 0.97  # [-] in those of the guide, unseen by the fit
+EASE: Final = 0.8  # [-] of the limit, at which a fit stops
+LEASH: Final = 0.05  # [-] as in Slopes, the slackest
+SLACKER: Final = 4.0  # [-] by which a leash is let out that keeps the set from the limit
+STARTS: Final = 4  # rounds that may bring the set with all terms into the limit
+BATCH: Final = 8  # terms dropped at once, to begin with
+STALE: Final = 6  # terms dropped, or found needed, by the same slopes
+STEPS: Final = 3  # of a fit by the same slopes
+SURE: Final = 2.0  # [-] a term without which less is off is asked about once more, at the end
+SETTLING: Final = 3  # rounds of a last fit, when the terms are chosen
+HOPELESS: Final = 4.0  # [-] a difference that new slopes will not mend
+FORESEEN: Final = 3.0  # [-] the same as slopes foresee it; a quick search does not fly to see it
 
 
 class Point(NamedTuple):
@@ -122,21 +136,6 @@ def rises(slopes: Slopes, here: Point) -> Numbers:
     """Return the rise [-] of the weighted squares for each free factor alone at zero."""
     matrix, _ = normal_matrix(slopes, here.differences, 4)
     return np.asarray(here.factors[slopes.free] ** 2 / np.diag(np.linalg.inv(matrix)))
-
-
-LIMIT: Final = 0.9  # [-] of what is allowed, in the flights fitted to
-PROOF: Final = 0.97  # [-] in those of the guide, unseen by the fit
-EASE: Final = 0.8  # [-] of the limit, at which a fit stops
-LEASH: Final = 0.05  # [-] as in Slopes, the slackest
-SLACKER: Final = 4.0  # [-] by which a leash is let out that keeps the set from the limit
-STARTS: Final = 4  # rounds that may bring the set with all terms into the limit
-BATCH: Final = 8  # terms dropped at once, to begin with
-STALE: Final = 6  # terms dropped, or found needed, by the same slopes
-STEPS: Final = 3  # of a fit by the same slopes
-SURE: Final = 2.0  # [-] a term without which less is off is asked about once more, at the end
-SETTLING: Final = 3  # rounds of a last fit, when the terms are chosen
-HOPELESS: Final = 4.0  # [-] a difference that new slopes will not mend
-FORESEEN: Final = 3.0  # [-] the same as slopes foresee it; a quick search does not fly to see it
 
 
 @dataclass(frozen=True)

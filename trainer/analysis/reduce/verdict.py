@@ -10,7 +10,8 @@ import numpy as np
 from trainer.analysis.guide import verdicts
 from trainer.analysis.guide.programme import Leg, fly_all
 from trainer.analysis.guide.programme import legs as guide_legs
-from trainer.analysis.guide.verdicts import BEYOND, Drop, Look, effects, tasks_without
+from trainer.analysis.guide.reasons import Drop, Look, effects, tasks_without
+from trainer.analysis.guide.verdicts import BEYOND
 from trainer.analysis.manoeuvres.vehicle import PERCENT
 from trainer.analysis.reduce.objective import Candidate, Yardstick, multiple
 from trainer.analysis.reduce.programme import flyable, holdout_legs, turns
@@ -26,6 +27,15 @@ PARTS: Final = {  # [%] of change allowed, [s] of zero crossings
     "guide": PERCENT,
     "steady turns": PERCENT,
     "held out": 2.0 * PERCENT,
+}
+TICKS: Final = 2000
+TIMES: Final = 7
+DEEP: Final = 1000.0  # [m]
+LOOKED_AT: Final[Look] = {
+    "turn": ("steady diameter", "steady speed", "largest roll"),
+    "meander": ("pitch peak 1", "damping ratio"),
+    "overshoot": ("largest pitch", "depth change"),
+    "roll-decay": ("period", "amplitude after cycle 1"),
 }
 
 
@@ -84,11 +94,6 @@ def passes(checked: Sequence[Checked]) -> bool:
     return verdicts.passes([one.passed for one in checked])
 
 
-TICKS: Final = 2000
-TIMES: Final = 7
-DEEP: Final = 1000.0  # [m]
-
-
 @dataclass(frozen=True)
 class Cost:
     """The least time of a tick, the whole boat's, back to back."""
@@ -130,14 +135,6 @@ def _nanoseconds(file: VesselFile, method: Method) -> float:
         flown = sail(tuple(boat.records), eye, rows)
         least = min(least, (perf_counter_ns() - begin) / max(flown, 1))
     return least
-
-
-LOOKED_AT: Final[Look] = {
-    "turn": ("steady diameter", "steady speed", "largest roll"),
-    "meander": ("pitch peak 1", "damping ratio"),
-    "overshoot": ("largest pitch", "depth change"),
-    "roll-decay": ("period", "amplitude after cycle 1"),
-}
 
 
 def coefficients(file: VesselFile) -> tuple[str, ...]:

@@ -1,20 +1,15 @@
 """The results of a sweep: batches as Parquet in a folder, then one file."""
 
-import contextlib
 import json
-import shutil
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.sweep.job import Batch, Job, Opened, differences
+from trainer.analysis.sweep.job import Batch, Job, Opened
 from trainer.config.extras import require_library
-from trainer.config.files import ConfigError
-from trainer.io.atomic_write import replacing, write_whole
-from trainer.io.file_lock import holding
+from trainer.io.atomic_write import replacing
 
 ROWS: Final = 65_536  # of a row group of the result
 MEMBER, SEED, TROUBLE = "member", "seed", "trouble"
@@ -93,103 +88,3 @@ def facts_of(table: Any) -> dict[str, Any]:
     """Return the facts that a result follows from. There are none if it is of no study."""
     found: dict[str, Any] = json.loads((table.schema.metadata or {}).get(FACTS, b"{}"))
     return found
-
-
-# Finished members on disk: a folder, a file for each chunk, and a manifest.
-
-
-MANIFEST: Final = "manifest.json"
-LOCK: Final = "lock"  # held by the process that writes there
-
-
-@dataclass(frozen=True)
-class Parts:
-    """The chunks of one job that are on disk."""
-
-    folder: Path
-    schema: Any
-    chunks: int
-
-    def file(self, place: int) -> Path:
-        """Return the path of a chunk's file."""
-        return self.folder / f"{place:06d}.parquet"
-
-    def finished(self) -> set[int]:
-        """Return the chunks that are there."""
-        return {place for place in range(self.chunks) if self.file(place).exists()}
-
-    def keep(self, place: int, batch: Batch) -> None:
-        """Write a chunk; OSError if it cannot be."""
-        write(table_of(batch, self.schema), self.file(place))
-
-    def tables(self) -> Iterator[Any]:
-        """Yield the chunks in their order; ConfigError naming one that cannot be read."""
-        for place in range(self.chunks):
-            try:
-                yield read(self.file(place))
-            except OSError as wrong:
-                text = f"{self.file(place)}: cannot be read ({wrong}): delete it, and run again"
-                raise ConfigError(text) from None
-
-    def clear(self) -> None:
-        """Remove the folder, the result being there."""
-        shutil.rmtree(self.folder, ignore_errors=True)
-
-
-def folder_of(out: Path) -> Path:
-    """Return where the finished members of a result are while it grows."""
-    return out.with_name(f"{out.name}.parts")
-
-
-@contextlib.contextmanager
-def writing_alone(out: Path) -> Iterator[None]:
-    """Keep other sweeps from a result inside the block; ConfigError if one writes it."""
-    folder = folder_of(out)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with contextlib.ExitStack() as lock:
-            if other := lock.enter_context(holding(folder / LOCK)):
-                text = f"another sweep writes it, process {other}: wait for it, or give --out"
-                raise ConfigError(f"{out}: {text} another name")
-            yield
-    except OSError as error:
-        raise ConfigError(f"{folder}: cannot be written: {error.strerror or error}") from None
-
-
-def take_up(job: Job, schema: Any, chunks: int, out: Path) -> Parts:
-    """Return the folder of a job, new or as it was left. ConfigError if it is another's."""
-    folder = folder_of(out)
-    manifest = folder / MANIFEST
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if manifest.exists():
-            _compare(json.loads(manifest.read_text(encoding="utf-8")), job, folder, "is of")
-        else:
-            write_whole(manifest, json.dumps(job.facts, indent=1, sort_keys=True))
-        for stray in (*folder.glob("*.part"), *folder.glob(".*/*")):  # of a writer that was killed
-            stray.unlink(missing_ok=True)
-    except OSError as error:
-        raise ConfigError(f"{folder}: cannot be written: {error.strerror}") from None
-    except (json.JSONDecodeError, UnicodeDecodeError):
-        raise ConfigError(f"{manifest}: is no manifest: delete {folder}, or give --out") from None
-    return Parts(folder, schema, chunks)
-
-
-def result_of(job: Job, out: Path) -> Any:
-    """Return the result that is there already, None if none is. ConfigError if it is another's."""
-    if not out.exists():
-        return None
-    try:
-        table = read(out)
-    except OSError:
-        raise ConfigError(f"{out}: is there and no result of a study; give --out another") from None
-    _compare(facts_of(table), job, out, "is the result of")
-    return table
-
-
-def _compare(facts: dict[str, Any], job: Job, path: Path, verb: str) -> None:
-    """Check that facts on disk are the job's; ConfigError with what differs."""
-    found = differences(facts, job.facts)
-    if found:
-        text = f"{path}: {verb} another study: delete it, or give --out another name"
-        raise ConfigError(text, *found)

@@ -20,6 +20,10 @@ from trainer.core.vessel import COMPACT, VESSEL
 from trainer.io.tables import COLUMNS
 
 CARD_HEADING: Final = "trainer-core 1"  # and the format of what follows
+OBJECT: Final = "trainer_core.o"
+LIBRARY: Final = "libtrainer_core.so"
+HEADER: Final = "trainer_core.h"
+HOST: Final = "host.c"
 
 
 def card_text(boat: Boat, target: Processor) -> str:
@@ -41,12 +45,6 @@ def card_text(boat: Boat, target: Processor) -> str:
         f"columns {columns}",
     ]
     return "\n".join(lines) + "\n"
-
-
-OBJECT: Final = "trainer_core.o"
-LIBRARY: Final = "libtrainer_core.so"
-HEADER: Final = "trainer_core.h"
-HOST: Final = "host.c"
 
 
 @dataclass(frozen=True)

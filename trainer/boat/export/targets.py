@@ -23,6 +23,8 @@ LEVELS: Final = {
     "x86-64-v3": ("avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "abm"),
     "x86-64-v4": ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
 }
+# what is not in the object is in nobody's: it would be missed when the library is loaded
+STRICT = ["-Wl,-z,defs", "-s"] if sys.platform.startswith("linux") else []
 
 
 @dataclass(frozen=True)
@@ -81,10 +83,6 @@ def code_words(code: bytes) -> int:
     """Return the size of an object's machine code, in words of 16 bits."""
     sections = binding.ObjectFileRef.from_data(code).sections()
     return sum(int(section.size()) for section in sections if section.is_text()) // 2
-
-
-# what is not in the object is in nobody's: it would be missed when the library is loaded
-STRICT = ["-Wl,-z,defs", "-s"] if sys.platform.startswith("linux") else []
 
 
 class NoCompilerError(Exception):

@@ -69,6 +69,12 @@ PLAIN: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 CHILD: Final = "import sys; from trainer.boat.export import wasm; wasm.lower(*sys.argv[1:])"
 WANTED: Final = np.dtype(np.float64)  # of a sea: its quantities and the taper
 SETTLED: Final = range(8, places_of(SCHEME)["trigger_place"][0])  # all but step, triggers
+# room for one boat, of zeros, in the order of the tick; a host may use memory of its own
+ROOMS: Final = ("vessel", "compact", "scheme", "state", "scratch", "wanted")
+ROOM_SIZES: Final = (
+    *(kind.itemsize for kind in (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)),
+    8 * (TAPER + 1),
+)
 
 
 def read(state: Any, scratch: Any) -> int:
@@ -108,12 +114,6 @@ FUNCTIONS: Final[Mapping[str, Exported]] = {
     "trainer_end": Exported(clear, (float, float, STATE)),
     "trainer_sea": Exported(sea, (VESSEL, float, float, WANTED, SCRATCH, STATE)),
 }
-# room for one boat, of zeros, in the order of the tick; a host may use memory of its own
-ROOMS: Final = ("vessel", "compact", "scheme", "state", "scratch", "wanted")
-ROOM_SIZES: Final = (
-    *(kind.itemsize for kind in (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)),
-    8 * (TAPER + 1),
-)
 
 
 def entry_text(name: str, kernel: str, kinds: tuple[Kind, ...]) -> str:

@@ -39,6 +39,8 @@ from trainer.units import KNOT
 
 ON: Final = (Stretch(0.0, math.inf),)  # straight on for ever
 NOWHERE: Final = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+# from a time [s] to how far water has gone [m] and how it goes [m/s], north and east each
+Water = Callable[[float], tuple[tuple[float, float], tuple[float, float]]]
 
 
 @dataclass(frozen=True)
@@ -83,10 +85,6 @@ class Ship:
     def lies(self, now: Piece) -> bool:
         """Return whether it lies still, and is to."""
         return now.speed == 0.0 and self.way.path[-1].speed in (None, 0.0)
-
-
-# from a time [s] to how far water has gone [m] and how it goes [m/s], north and east each
-Water = Callable[[float], tuple[tuple[float, float], tuple[float, float]]]
 
 
 class Fleet:

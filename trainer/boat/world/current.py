@@ -24,6 +24,8 @@ STILL: Final[Line] = (0.0, 0.0, 0.0, 0.0)
 FLOATING: Final = 5.0  # [m] depth of the water that carries ships
 SPAN: Final = 60.0  # [s] of a tide that three points integrate to 1e-13 of the way, and better
 GAUSS: Final = ((-math.sqrt(0.6), 5 / 18), (0.0, 8 / 18), (math.sqrt(0.6), 5 / 18))
+Mark = tuple[float, float, float]  # time [s], and how far water has gone [m] north and east
+START: Final[tuple[Mark, ...]] = ((0.0, 0.0, 0.0),)
 
 
 def uniform(towards: float, drift: float) -> Line:
@@ -102,9 +104,7 @@ class Change:
     line: Line
 
 
-Mark = tuple[float, float, float]  # time [s], and how far water has gone [m] north and east
 Carried = tuple[tuple[Change, ...], tuple[Mark, ...]]  # marks, and the changes that they know
-START: Final[tuple[Mark, ...]] = ((0.0, 0.0, 0.0),)
 
 
 @dataclass

@@ -17,6 +17,18 @@ ACROSS: Final = 2  # dots in a character
 DOWN: Final = 4
 BITS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 EMPTY: Final = 0x2800
+SCALE: Final = 6  # [columns] for the numbers at the side
+DASH: Final = "╌"
+TICKS: Final = (10.0, 30.0, 60.0, 120.0, 300.0, 600.0)  # [s] between marks of time
+APART: Final = 9  # [columns] between marks at least
+AXIS: Final = 4  # [rows] of a chart from which on it has an axis of time
+STEPS: Final = (1.0, 2.0, 5.0)
+LEAST: Final = 10  # [columns]
+LEAST_SIDE: Final = 400.0  # [m] across the shorter side
+MARGIN: Final = 1.15
+NOSE: Final = 5.0  # [dots] of the stroke ahead of the boat
+# A character is about twice as high as wide, and has 2 by 4 dots: dots are square.
+Point = tuple[float, float]  # [m] north, east
 
 
 @dataclass
@@ -61,15 +73,6 @@ class Sheet:
     def text(self, row: int) -> str:
         """Return a row as characters, a blank where there is no dot."""
         return "".join(chr(EMPTY + cell) if cell else " " for cell in self.cells[row])
-
-
-SCALE: Final = 6  # [columns] for the numbers at the side
-DASH: Final = "╌"
-TICKS: Final = (10.0, 30.0, 60.0, 120.0, 300.0, 600.0)  # [s] between marks of time
-APART: Final = 9  # [columns] between marks at least
-AXIS: Final = 4  # [rows] of a chart from which on it has an axis of time
-STEPS: Final = (1.0, 2.0, 5.0)
-LEAST: Final = 10  # [columns]
 
 
 def strip(quantity: int, model: SessionModel, span: float, width: int, height: int) -> Lines:
@@ -286,13 +289,6 @@ def merge(dots: str, dashes: str) -> tuple[Run, ...]:
 
 
 # The track from above: north up, one scale both ways. A turning circle is round.
-
-
-LEAST_SIDE: Final = 400.0  # [m] across the shorter side
-MARGIN: Final = 1.15
-NOSE: Final = 5.0  # [dots] of the stroke ahead of the boat
-# A character is about twice as high as wide, and has 2 by 4 dots: dots are square.
-Point = tuple[float, float]  # [m] north, east
 
 
 def plan(model: SessionModel, width: int, height: int) -> Lines:

@@ -6,6 +6,9 @@ from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, line
 
 LEAST = 24  # [columns] of a time line
+SHIP_NAME = 9  # [columns]
+SHIP_PARTS = ("bearing", "range", "course", "speed", "cpa", "tcpa")
+SHIPS = " ship      brg  range crs kn   cpa  sec"
 
 
 def log(model: SessionModel, width: int, height: int) -> Lines:
@@ -144,8 +147,3 @@ def ship_row(model: SessionModel, name: str) -> Line:
         f" {course(told['course']):>3} {number(told['speed'], 0):>2}"
         f" {number(told['cpa'], 0):>5} {when:>4}",
     )
-
-
-SHIP_NAME = 9  # [columns]
-SHIP_PARTS = ("bearing", "range", "course", "speed", "cpa", "tcpa")
-SHIPS = " ship      brg  range crs kn   cpa  sec"

@@ -21,6 +21,15 @@ from trainer.core.kernel import Numbers
 
 KINDS: Final = ("a", "b", "c", "d")
 CANCELLED_DISTANCE: Final = 0.15  # [-] of a zero from a pole that it nearly cancels
+ROUNDS: Final = 100
+HALVINGS: Final = 25
+SETTLED: Final = 1e-10  # [-] relative decrease of the loss expected from a further step
+RIM: Final = 0.9995  # [-] radius within which the zeros of C are kept
+NO_NEARER: Final = 1e-6  # [-] relative decrease expected that rounding may hide
+FLAT: Final = 1e-10  # [-] scaled eigenvalue of the information below which a direction is not known
+LONG_ORDER: Final = 10  # of the autoregression that the second start takes its residuals from
+COMMON: Final = (0.0, 0.5, -0.5, 0.9)  # [-] common factors that a higher order starts from
+NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -88,17 +97,6 @@ def coefficient_names(order: int, *, initial: bool) -> tuple[str, ...]:
     """Return the names of the coefficients of that order, a1 first."""
     kinds = KINDS if initial else KINDS[:3]
     return tuple(f"{kind}{i}" for kind in kinds for i in range(1, order + 1))
-
-
-ROUNDS: Final = 100
-HALVINGS: Final = 25
-SETTLED: Final = 1e-10  # [-] relative decrease of the loss expected from a further step
-RIM: Final = 0.9995  # [-] radius within which the zeros of C are kept
-NO_NEARER: Final = 1e-6  # [-] relative decrease expected that rounding may hide
-FLAT: Final = 1e-10  # [-] scaled eigenvalue of the information below which a direction is not known
-LONG_ORDER: Final = 10  # of the autoregression that the second start takes its residuals from
-COMMON: Final = (0.0, 0.5, -0.5, 0.9)  # [-] common factors that a higher order starts from
-NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ APPROACH: Final = 60  # steps from another start
 NEARBY: Final = 10.0  # [-] of cost above the best, from where a search is carried on
 NARROW: Final = 0.3  # [-] of the width, of every other start
 BEATEN: Final = 0.01  # [-] of cost: what another start must gain
+Minimiser = Callable[[Cost, Numbers, Search], Found]
 
 
 def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
@@ -55,9 +56,6 @@ def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
         value, np.zeros(len(theta)), method="Powell", callback=told, options=options
     )
     return judged(problem, np.atleast_1d(result.x) * width, int(result.nit))
-
-
-Minimiser = Callable[[Cost, Numbers, Search], Found]
 
 
 def by_scoring(cost: Cost, theta: Numbers, search: Search) -> Found:

@@ -23,6 +23,9 @@ from trainer.identify.model.sampled import STEP, Sampled
 from trainer.identify.record.measurements import Samples
 
 REASONS: Final = ("counted", "missing", "rejected", "singular")
+Gains = Callable[[Problem, Sampled], Complexes | None]
+MOST_STEPS: Final = 5000  # of the iteration for the settled gain
+SETTLED: Final = 1e-13  # [-] relative change of P at which it has settled
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,12 +99,6 @@ def loss_1(errors: Numbers) -> float:
     whole = errors[~np.isnan(errors).any(axis=1)]
     sign, size = np.linalg.slogdet(whole.T @ whole)
     return float(size) / len(whole) if len(whole) and sign > 0.0 else math.nan
-
-
-Gains = Callable[[Problem, Sampled], Complexes | None]
-
-MOST_STEPS: Final = 5000  # of the iteration for the settled gain
-SETTLED: Final = 1e-13  # [-] relative change of P at which it has settled
 
 
 def no_gain(problem: Problem, sampled: Sampled) -> Complexes:

@@ -12,6 +12,8 @@ from trainer.identify.model.models import MODELS
 from trainer.identify.record.study import Study
 from trainer.identify.record.study_records import ParameterRow
 
+NOTHING: Final = {"T3": "b1"}  # what is nothing where a number that follows from it is
+
 
 @dataclass(frozen=True)
 class Rival:
@@ -24,9 +26,6 @@ class Rival:
     ratio: float  # 2 (log L of the larger - log L)
     freedom: int
     probability: float  # [-] of so large a ratio by chance: small, and the larger is worth it
-
-
-NOTHING: Final = {"T3": "b1"}  # what is nothing where a number that follows from it is
 
 
 def without(fitted: Fitted, names: tuple[str, ...]) -> Rival:

@@ -30,6 +30,11 @@ UNITS: Final = {  # of a channel, and how many of them one SI unit is
 
 
 STEADY: Final = ("Y_0", "N_0", "f1", "f2", "f3", "delta_0")  # forces that stay for a run
+_VARIANCES: Final = tuple(
+    f"P{i} | SI | variance of initial state {i[0]} | variance" for i in ("11", "22", "33")
+)
+_COVARIANCES: Final = tuple(f"P{i} | SI | covariance of initial states" for i in ("12", "13", "23"))
+_LAG: Final = "lag | rad | time lag of the rudder is T abs sin | lag"
 
 
 @dataclass(frozen=True)
@@ -205,12 +210,6 @@ def _start(*units: str) -> tuple[str, ...]:
     """Return the lines of the initial state."""
     return tuple(f"x{i}_0 | {unit} | initial state" for i, unit in enumerate(units, 1))
 
-
-_VARIANCES: Final = tuple(
-    f"P{i} | SI | variance of initial state {i[0]} | variance" for i in ("11", "22", "33")
-)
-_COVARIANCES: Final = tuple(f"P{i} | SI | covariance of initial states" for i in ("12", "13", "23"))
-_LAG: Final = "lag | rad | time lag of the rudder is T abs sin | lag"
 
 MODEL_1: Final = Model(
     "1",

@@ -50,6 +50,15 @@ Expression = Callable[[Mapping[str, Value]], Value]
 LONGEST: Final = 200  # characters
 DEEPEST: Final = 30  # signs within signs
 CONSTANTS: Final = {"pi": math.pi}
+SIGNS: Final[Mapping[type, Callable[..., Value]]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: np.divide,
+    ast.Pow: np.power,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
 
 
 def _magnitude(x: Value) -> Value:
@@ -66,15 +75,6 @@ FUNCTIONS: Final[Mapping[str, Callable[[Value], Value]]] = {
     "tan": np.tan,
     "tanh": np.tanh,
     "abs": _magnitude,
-}
-SIGNS: Final[Mapping[type, Callable[..., Value]]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: np.divide,
-    ast.Pow: np.power,
-    ast.USub: operator.neg,
-    ast.UAdd: operator.pos,
 }
 ALLOWED: Final = f"numbers, parameters, + - * / **, {', '.join((*CONSTANTS, *FUNCTIONS))}"
 

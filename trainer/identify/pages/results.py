@@ -42,6 +42,8 @@ from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import Study, observe, studies_of
 from trainer.units import KNOT
 
+LAGS: Final = 10
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -151,9 +153,6 @@ class Report:
     terms: tuple[Term, ...] = ()
     runs: tuple[RunNumbers, ...] = ()
     matrices: tuple[Matrices, ...] = ()
-
-
-LAGS: Final = 10
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,6 +32,7 @@ SIDES: Final = {"v": "sway acceleration", "r": "yaw acceleration"}  # and their 
 ACCELERATIONS: Final = {"v": "m/s^2", "r": "rad/s^2"}
 LARGE: Final = "large manoeuvre"
 FORCES: Final = {"v": "sway force", "r": "yaw moment"}  # of Model 1 [-] in the study's system
+Series = dict[tuple[str, str, str], Numbers]  # by equation, term and unit
 
 
 def states_of(problem: Problem) -> tuple[str, ...]:
@@ -70,9 +71,6 @@ class Term:
     rms: float
     largest: float  # by magnitude
     share: float  # [-] of the sum of the equation's rms
-
-
-Series = dict[tuple[str, str, str], Numbers]  # by equation, term and unit
 
 
 def terms_of(fitted: Fitted, states: Numbers) -> Series:

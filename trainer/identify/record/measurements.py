@@ -29,6 +29,7 @@ CHANNELS: Final = {  # what may be recorded beside time, and its unit
 PLACES: Final = ("latitude", "longitude")  # that sway is made of
 SAMPLES: Final = 5  # to a coefficient, at least
 OUTPUTS: Final = tuple(name for name in CHANNELS if name != "rudder")
+Places = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -155,9 +156,6 @@ def check_count(record: Record, samples: int, coefficients: int) -> None:
             f"{SAMPLES} to each, {SAMPLES * coefficients}: record longer, take more of the rows "
             '(every, from_s, to_s), fit a simpler model, or fix some, free = "no"'
         )
-
-
-Places = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,9 @@ FURTHER_CHANNELS: Final[Mapping[str, Mapping[str, float]]] = {  # channels and t
     "roll_rate": UNITS["rad/s"],
 }
 PLAIN: Final = "-"  # unit of a column that is taken as it stands
+Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
+STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
+USUAL: Final = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.1)
 
 
 @dataclass(frozen=True)
@@ -112,9 +115,6 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
 
 class NoColumnError(ConfigError):
     """A file has not the columns that are to be read."""
-
-
-Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
 
 
 def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
@@ -209,10 +209,6 @@ def write_columns(path: Path, columns: Mapping[str, Numbers], form: str = "") ->
                 writer.writerow(["" if math.isnan(x) else format(float(x), form) for x in row])
     except OSError as error:
         raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from error
-
-
-STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
-USUAL: Final = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.1)
 
 
 def read_by(record: Record, sensors: Sensors) -> Record:

@@ -20,6 +20,7 @@ from trainer.identify.ships.records import Trial
 
 NO_SLOPES: Final = np.empty(0), np.empty((0, 0))
 FINEST: Final = 1e-4  # [-] of a channel's own spread: no error of readings is smaller
+FIRST_ROWS: Final = 11
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,9 +136,6 @@ class Problem:
         with np.errstate(divide="ignore"):
             limits[self.common - self.model.states : self.common] = np.log(self.floors)
         return limits
-
-
-FIRST_ROWS: Final = 11
 
 
 def first_state(trial: Trial) -> Numbers:

@@ -46,6 +46,26 @@ TOKEN = re.compile(
     rf"r(?:o\S*\s+\S+|\S*\s+(?:{BEGINNINGS})\S*)\s+)(\S.*?)\s*$",
     re.IGNORECASE,
 )
+CREW = "order"  # heads an order to the crew; the side of its course is a word of it
+LONGEST = 80  # [characters]  of a line, its comment included
+PRINTABLE = re.compile(r"[\t -~]*")
+SAID_IN_TWO = (
+    (re.compile(r"\b(one|two)\s+third", re.IGNORECASE), r"\1-third"),
+    (re.compile(r"\bdiving\s+officer\b", re.IGNORECASE), "diving"),
+)
+GLUED = re.compile(r"([+-]?[0-9.]+)([a-z][a-z/]*)")
+NAME = re.compile(r"[a-z][a-z0-9-]*")
+DECIMAL = re.compile(r"[+-]?(?:[0-9]{1,9}(?:\.[0-9]*)?|\.[0-9]+)")
+REMARK = re.compile(r"\s*(mark|tell|report)\s+(\S.*?)\s*", re.IGNORECASE)
+REPEAT = re.compile(r"\s*(?:(\S.*?)[\s,]+)??aye(?:[\s,]+aye)*\s*", re.IGNORECASE)
+TIME = NUMBERS["TIME"]
+TIME_UNITS = "|".join(name for unit in TIME.units for name in unit.names)
+PLAN = re.compile(
+    rf"\s*(?:(?P<at>in|at)\s+(?P<time>[-+.\d]\S*?)\s*(?P<unit>{TIME_UNITS})?"
+    r"|when\s+(?P<condition>\S.*?)\s+then)\s+(?P<order>\S.*?)\s*",
+    re.IGNORECASE,
+)
+HEADS = {heading_word(form) for form in FORMS}
 
 
 def hide(text: str) -> str:
@@ -57,19 +77,6 @@ def hidden(text: str) -> str:
     """Return the token in `text`, "" when there is none."""
     found = TOKEN.search(text)
     return found[2] if found else ""
-
-
-CREW = "order"  # heads an order to the crew; the side of its course is a word of it
-LONGEST = 80  # [characters]  of a line, its comment included
-
-PRINTABLE = re.compile(r"[\t -~]*")
-SAID_IN_TWO = (
-    (re.compile(r"\b(one|two)\s+third", re.IGNORECASE), r"\1-third"),
-    (re.compile(r"\bdiving\s+officer\b", re.IGNORECASE), "diving"),
-)
-GLUED = re.compile(r"([+-]?[0-9.]+)([a-z][a-z/]*)")
-NAME = re.compile(r"[a-z][a-z0-9-]*")
-DECIMAL = re.compile(r"[+-]?(?:[0-9]{1,9}(?:\.[0-9]*)?|\.[0-9]+)")
 
 
 @dataclass(frozen=True)
@@ -122,19 +129,6 @@ class Reading(NamedTuple):
 READINGS = tuple(Reading(form, places, ()) for form in FORMS for places in variants(form))
 
 
-REMARK = re.compile(r"\s*(mark|tell|report)\s+(\S.*?)\s*", re.IGNORECASE)
-REPEAT = re.compile(r"\s*(?:(\S.*?)[\s,]+)??aye(?:[\s,]+aye)*\s*", re.IGNORECASE)
-
-
-TIME = NUMBERS["TIME"]
-TIME_UNITS = "|".join(name for unit in TIME.units for name in unit.names)
-PLAN = re.compile(
-    rf"\s*(?:(?P<at>in|at)\s+(?P<time>[-+.\d]\S*?)\s*(?P<unit>{TIME_UNITS})?"
-    r"|when\s+(?P<condition>\S.*?)\s+then)\s+(?P<order>\S.*?)\s*",
-    re.IGNORECASE,
-)
-
-
 def openings() -> dict[str, list[Reading]]:
     """Return the readings of a line by its first word, whole or cut short."""
     found: dict[str, list[Reading]] = {}
@@ -147,7 +141,6 @@ def openings() -> dict[str, list[Reading]]:
 
 
 OPENINGS = openings()
-HEADS = {heading_word(form) for form in FORMS}
 
 
 def parse(line: str) -> Order | BadOrder | None:

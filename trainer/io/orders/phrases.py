@@ -14,23 +14,6 @@ from typing import Final, NamedTuple
 
 from trainer.io.orders.quantities import FEET, METRES, TONNES
 
-
-class Phrase(NamedTuple):
-    """One way to say an order."""
-
-    example: str
-    pattern: str
-    order: str  # of whoever works it
-    crew: str = ""  # of whoever orders the crew, "" where it is the same
-
-
-class Meaning(NamedTuple):
-    """The meaning of a phrase, in the words of the grammar."""
-
-    order: str
-    crew: str
-
-
 SLOTS: Final = {
     "SIDE": r"(?P<side>left|right|port|starboard)",
     "COURSE": r"(?P<n>\d{3}(?:\.\d+)?)",
@@ -50,6 +33,34 @@ SLOTS: Final = {
     "GROUP": "(?P<group>forward|mid|aft)",
     "OPEN": "(?P<open>open|shut)",
 }
+UNITS: Final = (
+    *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"),
+    *("ten", "eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen"),
+    *("eighteen", "nineteen"),
+)
+ROUND: Final = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
+DIGITS: Final = {word: f"{i}" for i, word in enumerate(UNITS[:10])} | {"niner": "9"}
+TEENS: Final = {word: i for i, word in enumerate(UNITS) if i >= 10}
+TENS: Final = {word: 10 * i for i, word in enumerate(ROUND, start=2)}
+NUMBER_WORDS: Final = {*DIGITS, *TEENS, *TENS, "hundred"}
+DIGIT: Final = "0"  # stands for any number that a phrase may begin with
+
+
+class Phrase(NamedTuple):
+    """One way to say an order."""
+
+    example: str
+    pattern: str
+    order: str  # of whoever works it
+    crew: str = ""  # of whoever orders the crew, "" where it is the same
+
+
+class Meaning(NamedTuple):
+    """The meaning of a phrase, in the words of the grammar."""
+
+    order: str
+    crew: str
+
 
 PHRASES: Final = (
     Phrase("left full rudder", "SIDE full [rudder]", "rudder {side} full"),
@@ -164,17 +175,6 @@ PHRASES: Final = (
     Phrase("scope down", "scope|periscope down", "scope lower"),
 )
 
-UNITS: Final = (
-    *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"),
-    *("ten", "eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen"),
-    *("eighteen", "nineteen"),
-)
-ROUND: Final = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
-DIGITS: Final = {word: f"{i}" for i, word in enumerate(UNITS[:10])} | {"niner": "9"}
-TEENS: Final = {word: i for i, word in enumerate(UNITS) if i >= 10}
-TENS: Final = {word: 10 * i for i, word in enumerate(ROUND, start=2)}
-NUMBER_WORDS: Final = {*DIGITS, *TEENS, *TENS, "hundred"}
-
 
 def pattern(row: str) -> re.Pattern[str]:
     """Return the expression of a row of items, each with the blank after it."""
@@ -208,7 +208,6 @@ def spoken_as(expression: str) -> list[str]:
     return [each.split()[0] for each in inner.split("|")]
 
 
-DIGIT: Final = "0"  # stands for any number that a phrase may begin with
 COMPILED: Final = tuple((pattern(phrase.pattern), phrase) for phrase in PHRASES)
 BY_FIRST_WORD: Final[dict[str, list[tuple[re.Pattern[str], Phrase]]]] = {}
 for _expression, _phrase in COMPILED:

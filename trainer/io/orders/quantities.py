@@ -6,6 +6,7 @@ from decimal import Decimal
 from trainer.units import DEGREE, FOOT, KNOT
 
 MINUTE = 60.0  # [s]
+FAR = -200_000.0, 200_000.0  # [m] from the origin
 
 
 class RefusedError(Exception):
@@ -50,7 +51,6 @@ MINUTES = Unit("min", ("min", "minutes", "minute", "mins"), MINUTE)
 HERTZ = Unit("hz", ("hz",), 1.0)
 PLAIN = Unit("", (), 1.0)
 PLACE = Unit("", METRES.names, 1.0)
-FAR = -200_000.0, 200_000.0  # [m] from the origin
 
 NUMBERS = {
     "DEPTH": Number("a depth", (METRES, FEET), 0.0, 2000.0),

@@ -15,6 +15,68 @@ from trainer.units import DEGREE
 
 # Starboard and rising are positive, as everywhere outside the core.
 SIGNS = {"left": -1.0, "right": 1.0, "dive": -1.0, "rise": 1.0}
+# "Full" is worth the largest angle of the grammar; the boat's own limit is applied later.
+FULL_RUDDER = 90.0 * DEGREE
+SETS = {
+    "SIDE": "left=port|right=starboard",
+    "TILT": "dive|rise",
+    "MODE": "manual|auto",
+    "BOW": "bow=fairwater=sail",
+    "AHEAD": "one-third=1/3|two-thirds=2/3|standard|full|flank",
+    "ASTERN": "one-third=1/3|two-thirds=2/3|full",
+    "GROUP": "forward|mid|aft|all",
+    "TANK": "auxiliary|depth-control",
+    "SPACE": "forward|centre=center|aft",
+    "PART": "depth|position|tanks",
+    "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer|visitor|scope",
+    "SHIP": "tanker|cargo|ferry|fishing|yacht|tug",
+    "AXIS": "rudder|planes|speed|ballast",
+}
+SESSION = "session"  # what `help` is asked for the other overview
+WHICH_WAY = "say which way: {} or {}"
+WHICH_PLANES = "which planes? say stern planes or bow planes"
+# What people say first, and the order that they are then told of.
+MEANT = {
+    **dict.fromkeys(("pause", "hold"), "freeze"),
+    **dict.fromkeys(("resume", "continue", "go", "start", "play"), "run"),
+    **dict.fromkeys(("undo", "rewind"), "backtrack"),
+    "save": "snapshot",
+    "load": "restore",
+    **dict.fromkeys(("break", "fail", "jam", "fault", "failure"), "casualty"),
+    **dict.fromkeys(("repair", "fix", "mend"), "clear"),
+    **dict.fromkeys(("ship", "ships", "target", "vessel", "contacts"), "contact"),
+    **dict.fromkeys(("look", "bearing", "mast"), "scope"),
+    **dict.fromkeys(("tide", "stream", "drift"), "current"),
+    **dict.fromkeys(("wave", "waves", "wind", "weather", "swell"), "sea"),
+    **dict.fromkeys(("deeper", "shallower", "up", "down", "descend", "ascend", "goto"), "depth"),
+    **dict.fromkeys(("faster", "slower", "knots"), "speed"),
+    **dict.fromkeys(("throttle", "engine", "engines", "propeller"), "bell"),
+    **dict.fromkeys(("where", "show", "state"), "status"),
+}
+# What the boat obeys, by the names of the orders; all else is the session's.
+BOAT_ORDERS = frozenset(
+    (
+        *(
+            "depth",
+            "course",
+            "course-by",
+            "speed",
+            "turns",
+            "rpm",
+            "bell",
+            "rudder",
+            "stern",
+            "bow",
+        ),
+        *("planes", "lever", "autopilot", "periscope", "surface", "dive", "blow", "emergency"),
+        *("vent", "negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
+        *("sea", "current", "contact", "scope"),
+        *("casualty", "clear", "hold", "release", "order", "course-to"),
+    )
+)
+# What is said between those who order the crew, the crew and the instructor: journalled as well.
+CREW_TALK = frozenset(("order", "tell", "report", "aye", "belay", "allow"))
+PLANNABLE = BOAT_ORDERS | {"tell", "freeze"}  # for a time or a condition
 
 
 @dataclass(frozen=True)
@@ -66,24 +128,6 @@ class Topic:
     says: str
 
 
-# "Full" is worth the largest angle of the grammar; the boat's own limit is applied later.
-FULL_RUDDER = 90.0 * DEGREE
-
-SETS = {
-    "SIDE": "left=port|right=starboard",
-    "TILT": "dive|rise",
-    "MODE": "manual|auto",
-    "BOW": "bow=fairwater=sail",
-    "AHEAD": "one-third=1/3|two-thirds=2/3|standard|full|flank",
-    "ASTERN": "one-third=1/3|two-thirds=2/3|full",
-    "GROUP": "forward|mid|aft|all",
-    "TANK": "auxiliary|depth-control",
-    "SPACE": "forward|centre=center|aft",
-    "PART": "depth|position|tanks",
-    "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer|visitor|scope",
-    "SHIP": "tanker|cargo|ferry|fishing|yacht|tug",
-    "AXIS": "rudder|planes|speed|ballast",
-}
 NAMES = {
     "NAME": Name("the name of a casualty"),
     "SHIP_NAME": Name("the name of a contact"),
@@ -136,7 +180,6 @@ BOAT_TOPICS = (
     Topic(("help",), "help rudder", "all about one order"),
     Topic(("quit",), "quit", "end the session"),
 )
-SESSION = "session"  # what `help` is asked for the other overview
 SESSION_TOPICS = (
     Topic(("time",), "time x2 | max", "speed of time"),
     Topic(("release",), "freeze depth | release all", "hold depth, position or tanks"),
@@ -169,8 +212,6 @@ SESSION_TOPICS = (
 )
 TOPICS = BOAT_TOPICS + SESSION_TOPICS
 
-WHICH_WAY = "say which way: {} or {}"
-WHICH_PLANES = "which planes? say stern planes or bow planes"
 
 FORMS = (
     Form("depth DEPTH", "keep this depth"),
@@ -330,50 +371,6 @@ FORMS = (
     Form("help TOPIC", "all about one order"),
     Form("quit=exit", "end the session"),
 )
-
-# What people say first, and the order that they are then told of.
-MEANT = {
-    **dict.fromkeys(("pause", "hold"), "freeze"),
-    **dict.fromkeys(("resume", "continue", "go", "start", "play"), "run"),
-    **dict.fromkeys(("undo", "rewind"), "backtrack"),
-    "save": "snapshot",
-    "load": "restore",
-    **dict.fromkeys(("break", "fail", "jam", "fault", "failure"), "casualty"),
-    **dict.fromkeys(("repair", "fix", "mend"), "clear"),
-    **dict.fromkeys(("ship", "ships", "target", "vessel", "contacts"), "contact"),
-    **dict.fromkeys(("look", "bearing", "mast"), "scope"),
-    **dict.fromkeys(("tide", "stream", "drift"), "current"),
-    **dict.fromkeys(("wave", "waves", "wind", "weather", "swell"), "sea"),
-    **dict.fromkeys(("deeper", "shallower", "up", "down", "descend", "ascend", "goto"), "depth"),
-    **dict.fromkeys(("faster", "slower", "knots"), "speed"),
-    **dict.fromkeys(("throttle", "engine", "engines", "propeller"), "bell"),
-    **dict.fromkeys(("where", "show", "state"), "status"),
-}
-
-# What the boat obeys, by the names of the orders; all else is the session's.
-BOAT_ORDERS = frozenset(
-    (
-        *(
-            "depth",
-            "course",
-            "course-by",
-            "speed",
-            "turns",
-            "rpm",
-            "bell",
-            "rudder",
-            "stern",
-            "bow",
-        ),
-        *("planes", "lever", "autopilot", "periscope", "surface", "dive", "blow", "emergency"),
-        *("vent", "negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
-        *("sea", "current", "contact", "scope"),
-        *("casualty", "clear", "hold", "release", "order", "course-to"),
-    )
-)
-# What is said between those who order the crew, the crew and the instructor: journalled as well.
-CREW_TALK = frozenset(("order", "tell", "report", "aye", "belay", "allow"))
-PLANNABLE = BOAT_ORDERS | {"tell", "freeze"}  # for a time or a condition
 
 
 def place(text: str) -> Word | Number | Name | Secret:

@@ -21,6 +21,8 @@ ROW: Final = 300  # [bytes] of a row beside its texts
 MAX_BRANCHES_READ: Final = 5_000  # of a file: four days of one after the other make 1,100
 MAX_EVENTS_READ: Final = 50_000  # of a file that somebody debriefs or exports
 MAX_ROWS_COUNTED: Final = 2_000_000  # where more are left out than that, it is told as so many
+DAMAGED: Final = "a value is of another kind than is written there"
+Row = tuple[Any, ...]
 
 
 class Kind(NamedTuple):
@@ -131,10 +133,6 @@ class Flown:
     state: bytes
     lateness: int | None
     work: int | None
-
-
-DAMAGED: Final = "a value is of another kind than is written there"
-Row = tuple[Any, ...]
 
 
 class Past:

@@ -52,6 +52,10 @@ POSITIONS: Final = {
 
 PLAIN: Final = re.compile(r"[+-]?[0-9]{1,6}(?:\.[0-9]*)?", re.ASCII)
 STEERING, ENGINE = "steering", "engine"
+AGAIN: Final = 10.0  # [s] after which the same command, sent all the time, is given anew
+KINDS_TOLD: Final = 16  # of sentences ignored: the others are only counted
+OWN: Final = frozenset({"ROR", "ETL"})  # sent here too: an echo of them is no order
+Log = Callable[[str, str], None]  # takes a kind of trainer.session.stations.roles.KINDS and a text
 
 
 @dataclass(frozen=True)
@@ -151,13 +155,6 @@ READERS: Final[Mapping[str, tuple[int, Callable[[tuple[str, ...]], Meaning]]]] =
     "ETL": (3, telegraph),
     "PRC": (4, propulsion),
 }
-
-
-AGAIN: Final = 10.0  # [s] after which the same command, sent all the time, is given anew
-KINDS_TOLD: Final = 16  # of sentences ignored: the others are only counted
-OWN: Final = frozenset({"ROR", "ETL"})  # sent here too: an echo of them is no order
-
-Log = Callable[[str, str], None]  # takes a kind of trainer.session.stations.roles.KINDS and a text
 
 
 class NmeaLine:

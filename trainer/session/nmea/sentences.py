@@ -24,6 +24,13 @@ GAUGES: Final = "as the gauges show it"
 TRUE: Final = "navigation system: true"
 
 Part = str | tuple[str, str]
+UTC_TIME: Final = ("UTC hhmmss.ss", "time")
+WHERE: Final = (
+    *(("latitude ddmm.mmmmm", "latitude"), ("N or S", "north_or_south")),
+    *(("longitude dddmm.mmmmm", "longitude"), ("E or W", "east_or_west")),
+)
+TICK: Final = ("tick", "tick")
+BELOW: Final = "the ground's depth below the transducer, where there is a ground"
 
 
 @dataclass(frozen=True)
@@ -72,14 +79,6 @@ def text_of(part: Part, seen: dict[str, str]) -> str:
         return part.partition(",")[0].removeprefix("-")
     return seen[part[1]]
 
-
-UTC_TIME: Final = ("UTC hhmmss.ss", "time")
-WHERE: Final = (
-    *(("latitude ddmm.mmmmm", "latitude"), ("N or S", "north_or_south")),
-    *(("longitude dddmm.mmmmm", "longitude"), ("E or W", "east_or_west")),
-)
-TICK: Final = ("tick", "tick")
-BELOW: Final = "the ground's depth below the transducer, where there is a ground"
 
 INSTRUMENTS: Final = (
     Instrument(

@@ -31,6 +31,7 @@ INTERVALS: Final = (  # [kn] up to, [s] between reports of class A, and turning
     (math.inf, 2.0, 2.0),
 )
 SLOW: Final = 180.0  # [s] at anchor, and of class B below 2 kn
+Messages = tuple[list[Field], ...]
 
 
 def antenna(frame: Frame) -> float:
@@ -62,9 +63,6 @@ def interval(ship: Seen) -> float:
 def slot(time: float, every: float, share: float) -> int:
     """Return how many reports there have been by a time [s]; ``share`` shifts them."""
     return math.floor(time / every - share)
-
-
-Messages = tuple[list[Field], ...]
 
 
 class Transponders:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, fields
 from typing import Final
 
 from trainer.boat.boat import Boat
-from trainer.config.condition import Loss
+from trainer.config.derived import Loss
 from trainer.config.exercise import Limits
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.surfaces import SURFACES
@@ -24,6 +24,55 @@ from trainer.units import KNOT
 
 OPEN: Final = frozenset({"depth", "pitch", "heel", "speed", "showing", "time"})  # no secrets
 WINS: Final = "each order carried out in time and kept; every danger mastered; no limit passed"
+SIDES: Final = {"max": "at most", "min": "at least"}
+LIMITED: Final = {  # quantities of limits that have another name among people
+    "cpa": "range to a ship",
+    "clearance": "water under the keel",
+    "speed_over_ground": "speed over the ground",
+}
+TITLES: Final = {
+    "hand": "by hand",
+    "hand-from": "by hand from [s]",
+    "allowed": "allowed",
+    "limits": "limits",
+    "wins": "won by",
+    "lost": "lost by",
+    "length": "length",
+}
+UNSETTLED: Final = "type `help` for the orders, `role helm` to take a station, `detach` to leave"
+AUTOMATIC: Final = ("depth 80", "course 090", "rudder left 15")
+OF_STATIONS: Final = ("stern planes dive 5", "flood depth-control 1", "scope raise")
+RANGES: Final = {  # keys of the fact `range`
+    "length": "of the hull [m]",
+    "mass": "of the boat with the water in it [t]",
+    "rudder": "largest angle either way [deg]",
+    "stern": "that of the stern planes [deg]",
+    "bow": "that of the bow planes [deg]",
+    "depth": "the greatest depth that may be ordered [m]",
+    "test-depth": "test depth [m]; for instructor, diving officer and observer",
+    "periscope": "periscope depth [m]",
+    "speed": "turns at most, ahead [kn]",
+    "astern": "turns at most, astern [kn]",
+    "bell": "a bell as it is ordered, a colon and its turns [kn]; one fact each",
+    "tank": "a tank, a colon and what it holds [t]; one fact each",
+    "trim-arm": "distance between the centres of the trim tanks [m]",
+}
+WHO_KNOW: Final = ("instructor", "diving", "observer")  # test depth
+EXERCISE: Final = {  # keys of the fact `exercise`
+    "name": "the exercise's file; for the instructor",
+    "title": "its title",
+    "line": "a line of its briefing; one fact each",
+    "hand": "the axes that are worked by hand now",
+    "hand-from": "when they come into hand [s]; for the instructor",
+    "allowed": "automatic orders and axes that are allowed all the same",
+    "free": "`yes`: the instructor has allowed what was in hand; there are no marks",
+    "limits": "the gate: names and values, `depth_m_max:105,pitch_deg_max:15`",
+    "lost": "a condition that loses it; one fact each",
+    "wins": "what wins it; one fact each",
+    "visitors": "`yes`: a visitor may begin it again; there is a kiosk",
+    "duration": "its length [s]",
+    "left": "what is left of it [s], at the time of the fact",
+}
 
 
 @dataclass(frozen=True)
@@ -74,14 +123,6 @@ class Briefing:
             yield "left", f"{max(self.duration - seconds, 0.0):g}"
 
 
-SIDES: Final = {"max": "at most", "min": "at least"}
-LIMITED: Final = {  # quantities of limits that have another name among people
-    "cpa": "range to a ship",
-    "clearance": "water under the keel",
-    "speed_over_ground": "speed over the ground",
-}
-
-
 def in_words(facts: Iterable[tuple[str, str]]) -> list[str]:
     """Return an exercise's facts beside its text, for people, in at most 79 columns."""
     said: dict[str, list[str]] = {}
@@ -104,22 +145,6 @@ def limit_in_words(name: str, value: str) -> str:
     return f"{LIMITED.get(what, what.replace('_', ' '))} {SIDES[end]} {value}{unit}"
 
 
-TITLES: Final = {
-    "hand": "by hand",
-    "hand-from": "by hand from [s]",
-    "allowed": "allowed",
-    "limits": "limits",
-    "wins": "won by",
-    "lost": "lost by",
-    "length": "length",
-}
-
-
-UNSETTLED: Final = "type `help` for the orders, `role helm` to take a station, `detach` to leave"
-AUTOMATIC: Final = ("depth 80", "course 090", "rudder left 15")
-OF_STATIONS: Final = ("stern planes dive 5", "flood depth-control 1", "scope raise")
-
-
 def hint(role: Role, hand: Collection[str]) -> str:
     """Return some orders that a station may give; ``hand`` has the axes worked by hand.
 
@@ -140,24 +165,6 @@ def may_order(role: Role, words: str) -> bool:
     """Return whether a role may give an order, as it is typed."""
     order = parse(words)
     return isinstance(order, Order) and refusal(role, order) is None
-
-
-RANGES: Final = {  # keys of the fact `range`
-    "length": "of the hull [m]",
-    "mass": "of the boat with the water in it [t]",
-    "rudder": "largest angle either way [deg]",
-    "stern": "that of the stern planes [deg]",
-    "bow": "that of the bow planes [deg]",
-    "depth": "the greatest depth that may be ordered [m]",
-    "test-depth": "test depth [m]; for instructor, diving officer and observer",
-    "periscope": "periscope depth [m]",
-    "speed": "turns at most, ahead [kn]",
-    "astern": "turns at most, astern [kn]",
-    "bell": "a bell as it is ordered, a colon and its turns [kn]; one fact each",
-    "tank": "a tank, a colon and what it holds [t]; one fact each",
-    "trim-arm": "distance between the centres of the trim tanks [m]",
-}
-WHO_KNOW: Final = ("instructor", "diving", "observer")  # test depth
 
 
 def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
@@ -190,20 +197,3 @@ def key_table(fact: str, keys: Mapping[str, str]) -> str:
     """Return the Markdown table of a fact's keys, as docs/stations.md shows it."""
     rows = [f"| `{key}` | {says} |" for key, says in keys.items()]
     return "\n".join([f"| {fact} | is |", "|---|---|", *rows]) + "\n"
-
-
-EXERCISE: Final = {  # keys of the fact `exercise`
-    "name": "the exercise's file; for the instructor",
-    "title": "its title",
-    "line": "a line of its briefing; one fact each",
-    "hand": "the axes that are worked by hand now",
-    "hand-from": "when they come into hand [s]; for the instructor",
-    "allowed": "automatic orders and axes that are allowed all the same",
-    "free": "`yes`: the instructor has allowed what was in hand; there are no marks",
-    "limits": "the gate: names and values, `depth_m_max:105,pitch_deg_max:15`",
-    "lost": "a condition that loses it; one fact each",
-    "wins": "what wins it; one fact each",
-    "visitors": "`yes`: a visitor may begin it again; there is a kiosk",
-    "duration": "its length [s]",
-    "left": "what is left of it [s], at the time of the fact",
-}

@@ -25,6 +25,10 @@ from trainer.session.stations.plot import CONTACTS, PERISCOPE
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
+SLOWEST: Final = 0.005  # [kn] that is not written as zero
+TELETYPE: Final = "teletype"  # the state in one line of 79 columns, under headings
+EVENTS: Final = "events"  # what happens, when it happens
+
 
 def unless(held: str, rate: str) -> Callable[[Frame], Value]:
     """Return how a rate [SI] is read, which is none while its part stands still."""
@@ -40,9 +44,6 @@ def clearance(frame: Frame) -> Value:
     """Return the least height [m] of the keel over the ground, where there is one."""
     found = height_of_keel(frame.numbers, frame.fittings.length, frame.fittings.keel)
     return None if math.isinf(found) else found
-
-
-SLOWEST: Final = 0.005  # [kn] that is not written as zero
 
 
 def way_over_ground(frame: Frame) -> tuple[float, float]:
@@ -193,8 +194,6 @@ INSTRUCTOR: Final = (
 CHANNELS: Final[Mapping[str, Channel]] = {
     channel.name: channel for channel in (*panels.CHANNELS, *PERISCOPE, *INSTRUCTOR)
 }
-TELETYPE: Final = "teletype"  # the state in one line of 79 columns, under headings
-EVENTS: Final = "events"  # what happens, when it happens
 
 
 def tables() -> str:

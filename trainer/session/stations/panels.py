@@ -21,6 +21,9 @@ from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
 Value = float | str | None  # None: the boat lacks it, or it stands for nothing at present
+TONNE: Final = 1000.0  # [kg]
+ROUND: Final = math.radians(350.0)  # still to go: nearly round, the other way than was ordered
+POSITIONS: Final = ("shut", "open", "emergency")  # of a valve's lever
 
 
 @dataclass(frozen=True)
@@ -80,18 +83,12 @@ def knots(name: str, place: str, unit: str = "kn", decimals: int = 1) -> Field:
     return Field(name, unit, decimals, lambda frame: frame[place] / KNOT)
 
 
-TONNE: Final = 1000.0  # [kg]
-
-
 HEADING: Final = Field("heading", "deg", 1, lambda frame: compass(frame.readings.heading))
 DEPTH: Final = Field("depth", "m", 1, lambda frame: frame.readings.depth)
 SPEED: Final = Field("speed", "kn", 1, lambda frame: frame.readings.speed / KNOT)
 SOUNDING: Final = Field("sounding", "m", 1, lambda frame: frame.readings.sounding or None)
 PITCH: Final = degrees("pitch", "theta")
 HEEL: Final = degrees("heel", "phi")
-
-ROUND: Final = math.radians(350.0)  # still to go: nearly round, the other way than was ordered
-POSITIONS: Final = ("shut", "open", "emergency")  # of a valve's lever
 
 
 def surface_fields(surface: str) -> tuple[Field, ...]:

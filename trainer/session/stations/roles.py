@@ -27,6 +27,40 @@ COMMON: Final = frozenset(
         *("subscribe", "unsubscribe", "detach", "who", "name"),
     }
 )
+CREW: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")  # who works the boat
+# What happens, by kind: in words, and which roles hear of it; () is the instructor alone.
+EVERYBODY: Final = (*CREW, "observer", "visitor")
+KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
+    "time": ("time stopped, let go on or made faster; the end", EVERYBODY),
+    "moment": ("gone back to a moment, replayed, taken over", EVERYBODY),
+    "station": ("a line attached, took a role, went away", EVERYBODY),
+    "order": ("an order given at a station, and its answer", ("observer",)),
+    "crew": ("an order to the crew, its repeat, a report", EVERYBODY),
+    "exercise": ("the instructor's orders, the schedule's, casualties and the sea", ()),
+    "mark": ("a moment marked, with a remark", ("observer",)),
+    "marks": ("the marks of an exercise, once they are released", EVERYBODY),
+    "watch": ("a limit passed, the surface broken, an order carried out the wrong way", ()),
+    "pilot": ("what the autopilot gives up and has again; what an X-tail does not give", EVERYBODY),
+    "depth": (
+        "test depth near, passed and beyond; the hull's collapse; the ground",
+        EVERYBODY,
+    ),
+    "refused": ("an order outside a role, a wrong token, a line that is no order", ()),
+    "trouble": ("late ticks, a port or the recording in trouble", ()),
+}
+OF_ANOTHER: Final = {"have": "has", "are": "is"}  # the verbs of a part
+PANELS: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
+# what only the instructor sees
+TRUTH: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout", "ledger")
+WHO_FIRST: Final = "say who you are first: role NAME TOKEN"
+GUESSES: Final = 3  # wrong tokens before a line is closed
+SHORT: Final = 6  # [characters]
+ANY: Final = ""  # the role of a token that stands for all roles without their own
+FREE_GUESSES: Final = 3  # wrong tokens of a machine that are answered at once
+FIRST_WAIT_S: Final = 1.0  # of the answer to the next one; each one after it waits twice as long
+MAX_WAIT_S: Final = 30.0
+FORGET_AFTER_S: Final = 600.0  # without a wrong token of that machine
+MAX_MACHINES: Final = 1000  # that are remembered, the latest
 
 
 @dataclass(frozen=True)
@@ -41,7 +75,6 @@ class Control:
     roles: tuple[str, ...]
 
 
-CREW: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")  # who works the boat
 CONTROLS: Final = (
     Control("the rudder is", ("rudder",), ("helm", "pilot")),
     Control("the course is", ("course", "course-by", "course-to"), ("helm", "pilot")),
@@ -63,27 +96,6 @@ CONTROLS: Final = (
     Control("the dive from the start is", ("restart",), ("visitor",)),
     Control("the autopilot as a whole is", ("autopilot",), ()),
 )
-
-# What happens, by kind: in words, and which roles hear of it; () is the instructor alone.
-EVERYBODY: Final = (*CREW, "observer", "visitor")
-KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
-    "time": ("time stopped, let go on or made faster; the end", EVERYBODY),
-    "moment": ("gone back to a moment, replayed, taken over", EVERYBODY),
-    "station": ("a line attached, took a role, went away", EVERYBODY),
-    "order": ("an order given at a station, and its answer", ("observer",)),
-    "crew": ("an order to the crew, its repeat, a report", EVERYBODY),
-    "exercise": ("the instructor's orders, the schedule's, casualties and the sea", ()),
-    "mark": ("a moment marked, with a remark", ("observer",)),
-    "marks": ("the marks of an exercise, once they are released", EVERYBODY),
-    "watch": ("a limit passed, the surface broken, an order carried out the wrong way", ()),
-    "pilot": ("what the autopilot gives up and has again; what an X-tail does not give", EVERYBODY),
-    "depth": (
-        "test depth near, passed and beyond; the hull's collapse; the ground",
-        EVERYBODY,
-    ),
-    "refused": ("an order outside a role, a wrong token, a line that is no order", ()),
-    "trouble": ("late ticks, a port or the recording in trouble", ()),
-}
 
 
 @dataclass(frozen=True)
@@ -108,9 +120,6 @@ class Role:
         return f"{OF_ANOTHER[verb]} {rest}"
 
 
-OF_ANOTHER: Final = {"have": "has", "are": "is"}  # the verbs of a part
-
-
 def _role(name: str, title: str, part: str, *channels: str) -> Role:
     """Return a role with its controls and what it hears, beside the channels everybody has."""
     own = {order for control in CONTROLS if name in control.roles for order in control.orders}
@@ -124,10 +133,6 @@ def _role(name: str, title: str, part: str, *channels: str) -> Role:
         heard,
     )
 
-
-PANELS: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
-# what only the instructor sees
-TRUTH: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout", "ledger")
 
 INSTRUCTOR: Final = Role(
     "instructor",
@@ -159,7 +164,6 @@ ROLES: Final[Mapping[str, Role]] = {
     )
 }
 
-WHO_FIRST: Final = "say who you are first: role NAME TOKEN"
 # A line that has to say a token and has not: it sees and orders nothing.
 STRANGER: Final = Role(
     "stranger", "nobody's", "are nobody yet", frozenset({"role", "help", "detach"}), (), frozenset()
@@ -227,11 +231,6 @@ def event_table() -> str:
 # A line comes in with a role or a token.
 
 
-GUESSES: Final = 3  # wrong tokens before a line is closed
-SHORT: Final = 6  # [characters]
-ANY: Final = ""  # the role of a token that stands for all roles without their own
-
-
 @dataclass(frozen=True)
 class Access:
     """The demands on a line. With neither role nor tokens it may say what role it likes."""
@@ -266,13 +265,6 @@ class Access:
             return True
         wanted = self.tokens.get(role, self.tokens.get(ANY, ""))
         return hmac.compare_digest(given.encode(), wanted.encode()) and bool(wanted)
-
-
-FREE_GUESSES: Final = 3  # wrong tokens of a machine that are answered at once
-FIRST_WAIT_S: Final = 1.0  # of the answer to the next one; each one after it waits twice as long
-MAX_WAIT_S: Final = 30.0
-FORGET_AFTER_S: Final = 600.0  # without a wrong token of that machine
-MAX_MACHINES: Final = 1000  # that are remembered, the latest
 
 
 @dataclass

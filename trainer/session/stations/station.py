@@ -42,6 +42,7 @@ from trainer.session.stations.subscriptions import (
 ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait
 ORDERS_AT_ONCE: Final = 100
 GUESSED_WRONG: Final = "wrong token: type role NAME TOKEN with the right one"
+Log = Callable[[str, str], None]  # takes a kind of roles.KINDS and a text
 
 
 class Fact(NamedTuple):
@@ -97,9 +98,6 @@ class Counts:
     refused: int = 0  # not its to give
     bad: int = 0  # no orders
     guesses: int = 0  # wrong tokens
-
-
-Log = Callable[[str, str], None]  # takes a kind of roles.KINDS and a text
 
 
 def quietly(log: Log, access: Access) -> Log:

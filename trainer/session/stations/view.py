@@ -15,6 +15,8 @@ from trainer.core.casualties import instruments
 from trainer.core.state import SOUNDINGS, new_scratch, new_state
 from trainer.session.time.ledger import Summary
 
+BYTES: Final = new_state().nbytes
+
 
 class Pace(NamedTuple):
     """How time runs, and what else is shown that no state holds."""
@@ -114,9 +116,6 @@ class Frame:
         under = self.at("bottom", SOUNDINGS // 2)
         sounding = under - self["z"] if self["bottom"] else 0.0
         return Readings(self["z"], self["psi"], self["u"], sounding)
-
-
-BYTES: Final = new_state().nbytes
 
 
 class StateReader:

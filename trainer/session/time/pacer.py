@@ -35,6 +35,13 @@ LONGEST_NAP: Final = SECOND // 2  # [ns]
 # Sleep ends a little before a deadline, and the rest is spun away: long enough to wake up, and to
 # get the interpreter from a busy thread (punctuality.SWITCH); short enough to cost nothing.
 SPIN: Final = 300_000  # [ns]
+SLOWEST, FASTEST = 0.1, 100.0  # [-] speeds a pacer accepts
+MAX_CATCH_UP = 5  # [-] late ticks run back to back before the rest are given up
+# Oversleeping longer than this (and than a period) is not scheduling: the process was stopped.
+STOPPED = SECOND // 4  # [ns]
+# A tick may block for a while and is then late by its own doing; off the processor for more than
+# this many periods (and STOPPED) it was a stopped process too, or a debugger, which looks the same.
+STOPPED_PERIODS = 4
 
 
 class Clock(Protocol):
@@ -77,16 +84,6 @@ class MonotonicClock:
             if woken():
                 return 0
         return reached
-
-
-SLOWEST, FASTEST = 0.1, 100.0  # [-] speeds a pacer accepts
-MAX_CATCH_UP = 5  # [-] late ticks run back to back before the rest are given up
-
-# Oversleeping longer than this (and than a period) is not scheduling: the process was stopped.
-STOPPED = SECOND // 4  # [ns]
-# A tick may block for a while and is then late by its own doing; off the processor for more than
-# this many periods (and STOPPED) it was a stopped process too, or a debugger, which looks the same.
-STOPPED_PERIODS = 4
 
 
 class Policy(Enum):

@@ -37,6 +37,12 @@ SET_TIMER_SLACK: Final = 29  # of prctl
 IN_USE: Final = 1 | 2 | 4  # of mlockall: now and later, but nothing that is merely set aside
 REFUSED: Final = "not permitted"
 ABSENT: Final = "not on this system"
+QUIET: Final = 10 * SECOND  # [ns] without a slip, after which the next one is told
+SUSTAINED: Final = SECOND  # [ns] of slipping until the speed falls
+FEWEST: Final = (
+    5  # [-] overruns in that time; a machine that stumbles once or twice keeps its speed
+)
+SHARE: Final = 0.8  # [-] of the clock that ticks take at the speed that is fallen to
 
 
 @dataclass(frozen=True)
@@ -130,14 +136,6 @@ def _timer_slack(nanoseconds: int) -> bool:
     if sys.platform != "linux":
         return False
     return bool(ctypes.CDLL(None).prctl(SET_TIMER_SLACK, nanoseconds, 0, 0, 0) == 0)
-
-
-QUIET: Final = 10 * SECOND  # [ns] without a slip, after which the next one is told
-SUSTAINED: Final = SECOND  # [ns] of slipping until the speed falls
-FEWEST: Final = (
-    5  # [-] overruns in that time; a machine that stumbles once or twice keeps its speed
-)
-SHARE: Final = 0.8  # [-] of the clock that ticks take at the speed that is fallen to
 
 
 @dataclass(frozen=True)

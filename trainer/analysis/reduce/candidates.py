@@ -1,0 +1,75 @@
+"""Candidates fly side by side, one in each process."""
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Final, Self
+
+import numpy as np
+
+from trainer.analysis.guide.programme import Leg
+from trainer.analysis.reduce.objective import Candidate, Yardstick
+from trainer.analysis.workers import workers
+from trainer.config.vessel import load_vessel
+from trainer.core.kernel import Numbers
+
+NUDGE: Final = 1e-3  # [-] of a factor, for the difference quotients
+
+
+STEEPEST: Final = 500.0  # [-] slope; a steeper one is a number that jumps, and tells nothing
+
+
+CHUNK: Final = 4  # flights handed to a process at once
+
+
+_posts: dict[tuple[Path, str, tuple[Leg, ...]], tuple[Candidate, Yardstick]] = {}
+
+
+def _differences(path: Path, equations: str, legs: tuple[Leg, ...], factors: Numbers) -> Numbers:
+    """Return the differences of a candidate from the full set, in whichever process."""
+    post = path, equations, legs
+    if post not in _posts:
+        file = load_vessel(str(path))
+        _posts[post] = Candidate(file, equations), Yardstick(file, legs)
+    candidate, yardstick = _posts[post]
+    candidate.take(factors)
+    return yardstick.differences(candidate)
+
+
+class Crew:
+    """As many candidates as there are processors."""
+
+    def __init__(self, path: Path, equations: str, legs: tuple[Leg, ...], cores: int) -> None:
+        """Man the candidates of the boat in that file, to fly those legs."""
+        self.legs = legs
+        self._fly = partial(_differences, path, equations, legs)
+        self._cores = cores
+        self._pool = workers(cores) if cores > 1 else None
+
+    def __enter__(self) -> Self:
+        """Return the crew."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Send the crew home."""
+        if self._pool:
+            self._pool.shutdown(cancel_futures=True)
+
+    def differences(self, several: Sequence[Numbers]) -> list[Numbers]:
+        """Return the differences of candidates, each by row, in order."""
+        if self._pool is None or len(several) == 1:
+            return list(map(self._fly, several))
+        chunk = max(1, min(CHUNK, len(several) // self._cores))
+        return list(self._pool.map(self._fly, several, chunksize=chunk))
+
+    def slopes(self, factors: Numbers, free: Sequence[int], here: Numbers) -> Numbers:
+        """Return the slopes of the differences by ``free`` factors, (rows, all factors)."""
+        nudged = []
+        for place in free:
+            there = factors.copy()
+            there[place] += NUDGE
+            nudged.append(there)
+        found = np.zeros((here.size, factors.size))
+        for place, there in zip(free, self.differences(nudged), strict=True):
+            found[:, place] = (there - here) / NUDGE
+        return np.where(abs(found) > STEEPEST, 0.0, found)

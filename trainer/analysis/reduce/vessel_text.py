@@ -1,0 +1,82 @@
+"""A reduction is written into a vessel file. All else in its text stays."""
+
+import re
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final
+
+from trainer import __version__
+from trainer.analysis.reduce.search import Need
+from trainer.core.terms import EXTRA_TERMS
+
+OURS: Final = ("compact", "compensation.modified", "compensation.basic", "reduction")
+
+
+HEADER: Final = re.compile(r"\s*\[\[?\s*([^\]]+?)\s*\]")
+
+
+WIDTH: Final = 96
+
+
+BEFORE: Final = re.compile(r"^\[coefficients", re.MULTILINE)
+
+
+def rewritten(text: str, tables: str) -> str:
+    """Return the text of a vessel file with its reduction replaced by ``tables``."""
+    kept = "\n".join(_without_ours(text.splitlines()))
+    kept = re.sub(r"\n{3,}", "\n\n", kept)
+    first = BEFORE.search(kept)
+    if not first:
+        return f"{kept.rstrip()}\n\n{tables}"
+    place = _above_comments(kept, first.start())
+    return f"{kept[:place].rstrip()}\n\n{tables}\n{kept[place:].rstrip()}\n"
+
+
+def _above_comments(text: str, place: int) -> int:
+    """Return the start of the comment lines right above ``place``."""
+    lines = text[:place].split("\n")[:-1]
+    while lines and lines[-1].startswith("#"):
+        place -= len(lines.pop()) + 1
+    return place
+
+
+def _without_ours(lines: Sequence[str]) -> Iterator[str]:
+    """Yield the lines that are not of a table of ours; comments of their own stay."""
+    ours = False
+    for line in lines:
+        header = HEADER.match(line)
+        if header:
+            ours = header[1].replace(" ", "") in OURS
+        if not ours or line.startswith("#"):
+            yield line
+
+
+def factor_tables(
+    factors: Mapping[str, Mapping[str, float]], needs: Sequence[Need], notes: Mapping[str, float]
+) -> str:
+    """Return the tables of a reduction's ``factors`` by equation set and term. 0: dropped.
+
+    The evidence names what would be worst without each term beyond those of 1969.
+    """
+    extra = [name for name in EXTRA_TERMS if factors["modified"].get(name)]
+    names, indent = " ".join(f'"{name}",' for name in extra), " " * 4
+    rows = textwrap.wrap(names, WIDTH, initial_indent=indent, subsequent_indent=indent)
+    lines = ["[compact]", "extra_terms = [", *rows, "]", ""]
+    for name, of_set in factors.items():
+        shown = {
+            key: value
+            for key, value in of_set.items()
+            if value != 1.0 and (key not in EXTRA_TERMS or (value and key in extra))
+        }
+        listed = (f"{key} = {value:.4g}" for key, value in shown.items())
+        lines += [f"[compensation.{name}]   # 0: dropped", *listed, ""]
+    lines += ["[reduction]   # evidence; the program reads none of it"]
+    lines.append(f'by = "trainer reduce, version {__version__}"')
+    lines += [f"{key} = {value:.4g}" for key, value in notes.items()]
+    why = {need.term: need for need in needs}
+    for name in extra:
+        if name in why:
+            need = why[name]
+            words = f"without it {need.quantity} in {need.leg}: {need.worst:.3g} of the allowed"
+            lines.append(f'{name} = "{words}"')
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,62 @@
+"""The command that serves the pages of a session."""
+
+from pathlib import Path
+from typing import Final
+
+import click
+
+from trainer.cli.options import (
+    WEB,
+    certificate_options,
+    connect_option,
+)
+from trainer.config.extras import require_library
+
+PAGES_NEED: Final = ("starlette", "uvicorn", "websockets", "segno")  # libraries of the extra
+
+
+@click.command()
+@connect_option
+@click.option(
+    "--web",
+    "address",
+    default=WEB,
+    show_default=True,
+    metavar="HOST:PORT",
+    help="Where the pages are; beyond this machine only for a session with --token.",
+)
+@certificate_options
+@click.option("--open/--no-open", "opens", default=True, help="Open them in a browser here.")
+@click.option("--owner", type=int, hidden=True)  # see page_server
+def web(
+    *,
+    url: str | None,
+    address: str,
+    cert: Path | None,
+    key: Path | None,
+    opens: bool,
+    owner: int | None,
+) -> None:
+    """Serve the stations of a running session as pages for browsers.
+
+    \b
+    Example:  trainer web
+              trainer web --connect tcp://bridge:17800 --web 0.0.0.0:8080
+
+    It goes on when the session ends, and serves the next that begins there. `trainer run --web`
+    and `trainer serve --web HOST:PORT` begin both at once. Ctrl-C ends it, exit code 0.
+    """
+    require_pages("trainer web")
+    from trainer.web import launch
+
+    certificate = launch.certificate_of(cert, key)
+    if owner is None or url is None:
+        launch.serve_pages(url, address, certificate, opens=opens)
+    else:
+        launch.serve_owner(url, address, certificate, owner, opens=opens)
+
+
+def require_pages(asked: str) -> None:
+    """Check that the libraries of the pages are installed; ConfigError naming their extra."""
+    for library in PAGES_NEED:
+        require_library(library, asked)

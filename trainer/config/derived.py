@@ -1,0 +1,156 @@
+"""Quantities that no place of the state holds."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.config.condition import ANGLE, LENGTH, MASS, QUANTITIES, SPEED, Quantity
+from trainer.config.files import ConfigError, Place, nearest, quote, refuse
+
+NUMBER: Final = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
+
+
+FORM: Final = re.compile(rf"\s*([A-Za-z]\w*)\s*(<=|>=|<|>)\s*({NUMBER})\s*(\S*)\s*")
+
+
+DERIVED: Final[Mapping[str, Quantity]] = {
+    "course": Quantity("", ANGLE, "where the bow points"),
+    "heavy": Quantity("", MASS, "weight less buoyancy"),
+    "eye": Quantity("", LENGTH, "height of the periscope's head above the sea"),
+    "clearance": Quantity("", LENGTH, "least height of the keel over the ground"),
+    "speed_over_ground": Quantity("", SPEED, "over the ground, whichever way"),
+    "showing": Quantity("", LENGTH, "height of sail or deck above the sea, the higher one"),
+}
+
+
+EVERY: Final[Mapping[str, Quantity]] = {**QUANTITIES, **DERIVED}
+
+
+AND: Final = re.compile(r"\s+and\s+")
+LASTING: Final = re.compile(r"(.*\S)\s+for\s+([\d.]+)\s*s")
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A comparison of one quantity with a threshold [SI], and where it was written."""
+
+    quantity: str
+    sense: float  # 1 above, -1 below the threshold
+    strict: bool
+    threshold: float
+    text: str
+    place: Place
+
+
+def compile_conditions(text: str, place: Place) -> tuple[Condition, ...]:
+    """Return the conditions that ``and`` joins, of any quantity; ConfigError as below."""
+    return tuple(compile_condition(each, place, EVERY) for each in AND.split(text))
+
+
+def compile_condition(
+    text: str, place: Place, known: Mapping[str, Quantity] = QUANTITIES
+) -> Condition:
+    """Return the condition written in ``text``; ConfigError if it is none, naming the nearest."""
+    found = FORM.fullmatch(text)
+    if found is None:
+        raise ConfigError(
+            place.problem(f"condition {quote(text)}: write it as depth > 100 or speed_kn <= 4.5")
+        )
+    words, comparison, number, unit = found.groups()
+    name, suffix = _split(words, text, place, known)
+    units = known[name].units
+    if suffix and unit and suffix != unit:
+        raise ConfigError(place.problem(f"condition {quote(text)}: has two units"))
+    given = (suffix or unit or next(iter(units))).lower().replace("/", "_")
+    if given not in units:
+        raise ConfigError(
+            place.problem(
+                f"condition {quote(text)}: {name} is in {' or '.join(units)}, not {quote(given)}"
+            )
+        )
+    return Condition(
+        quantity=name,
+        sense=1.0 if comparison.startswith(">") else -1.0,
+        strict="=" not in comparison,
+        threshold=_number(number, text, place) * units[given],
+        text=text.strip(),
+        place=place,
+    )
+
+
+def parse_name(words: str, known: Mapping[str, Quantity] = EVERY) -> tuple[str, str] | None:
+    """Return the quantity and the unit in ``speed_kn``, the unit '' if there is none.
+
+    None if there is no such quantity in such a unit.
+    """
+    words = words.lower()
+    if words in known:
+        return words, ""
+    for name, quantity in known.items():
+        for unit in quantity.units:
+            if words == f"{name}_{unit}":
+                return name, unit
+    return None
+
+
+def nearest_quantity(words: str, known: Mapping[str, Quantity] = EVERY) -> str:
+    """Return '. Nearest is ...' for the quantity most like ``words``, or '' if none is."""
+    with_units = [f"{name}_{unit}" for name, q in known.items() for unit in q.units]
+    return nearest(words, [*known, *with_units])
+
+
+def _split(words: str, text: str, place: Place, known: Mapping[str, Quantity]) -> tuple[str, str]:
+    """Return the quantity and the unit in ``speed_kn``, which may be a wrong one."""
+    found = parse_name(words, known)
+    if found is not None:
+        return found
+    words = words.lower()
+    for name in sorted(known, key=len, reverse=True):
+        if words.startswith(f"{name}_") and "_" not in words.removeprefix(f"{name}_"):
+            return name, words.removeprefix(f"{name}_")  # a wrong unit
+    guess = nearest_quantity(words, known)
+    raise ConfigError(place.problem(f"condition {quote(text)}: no quantity {words!r}{guess}"))
+
+
+def _number(text: str, whole: str, place: Place) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ConfigError(
+            place.problem(f"condition {quote(whole)}: {quote(text)} is no number")
+        ) from None
+
+
+def quantity_table() -> str:
+    """Return the Markdown table of every quantity, as docs/casualties.md shows it."""
+    rows = ["| quantity | units | is |", "|---|---|---|"]
+    rows += [f"| `{name}` | {', '.join(q.units)} | {q.meaning} |" for name, q in QUANTITIES.items()]
+    return "\n".join(rows) + "\n"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loss:
+    """The conditions that lose an exercise, each held for so long [s]."""
+
+    conditions: tuple[Condition, ...]
+    seconds: float
+    text: str
+
+
+def compile_losses(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
+    """Return what loses the exercise; ConfigError with all that is no condition."""
+    problems: list[str] = []
+    found = []
+    for text in texts:
+        lasting = LASTING.fullmatch(text.strip())
+        words, seconds = (lasting[1], lasting[2]) if lasting else (text, "0")
+        try:
+            conditions = compile_conditions(words, place)
+        except ConfigError as wrong:
+            reason = str(wrong).partition("condition ")[2].partition(": ")[2]
+            problems.append(place.wrong("lost", text, reason))
+        else:
+            found.append(Loss(conditions=conditions, seconds=float(seconds), text=text.strip()))
+    refuse(problems)
+    return tuple(found)

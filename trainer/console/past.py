@@ -1,0 +1,65 @@
+"""The past of a session before this screen came."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from trainer.console.readings import Reading
+from trainer.io.orders.sentences import Sentence
+
+EVENTS: Final = "events"
+
+
+ASKS: Final = "history {}"
+
+
+LATE: Final = 15.0  # [s] of the boat's time that a screen may have missed and need not ask for
+
+
+Rows = dict[str, dict[float, Reading]]  # by channel and time [s]
+
+
+@dataclass
+class Past:
+    """The rows and events that have come of what was asked for."""
+
+    wanted: set[str] = field(default_factory=set)  # channels that have not come to their end
+    rows: Rows = field(default_factory=dict)
+    events: list[Sentence] = field(default_factory=list)
+    _open: set[str] = field(default_factory=set)
+
+    def ask(self, channels: Iterable[str], send: Callable[[str], bool]) -> None:
+        """Ask for the past of channels, and of what happened."""
+        self.rows.clear()
+        self.events.clear()
+        self._open.clear()
+        self.wanted = {*channels, EVENTS}
+        for channel in sorted(self.wanted):
+            send(ASKS.format(channel))
+
+    def mark(self, subject: str) -> str:
+        """Take where the past of a channel begins and ends. Return a channel that has ended."""
+        which, _, channel = subject.partition(",")
+        if which == "begin":
+            self._open.add(channel)
+            return ""
+        self._open.discard(channel)
+        self.wanted.discard(channel)
+        return channel
+
+    def takes(self, sentence: Sentence, names: Sequence[str]) -> bool:
+        """Take a sentence if it is of the past; return whether it was."""
+        if sentence.kind == "TRS" and sentence.fields[0] in self._open:
+            channel, tick, told, *values = sentence.fields
+            reading = Reading(int(tick), float(told), 0.0, dict(zip(names, values, strict=False)))
+            self.rows.setdefault(channel, {})[reading.seconds] = reading
+            return True
+        if sentence.kind in ("TRE", "TRF") and EVENTS in self._open:
+            self.events.append(sentence)
+            return True
+        return False
+
+    def number(self, channel: str, name: str, seconds: float) -> float | None:
+        """Return the value of a field at a time [s], None before its first."""
+        reading = self.rows.get(channel, {}).get(seconds)
+        return reading.number(name) if reading else None

@@ -1,0 +1,57 @@
+"""The groundings of a passage: when, how hard, and whether they were meant."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from trainer.boat.grounding import AFLOAT, AGROUND, LAID, Touch, lies_well, touch_of
+from trainer.boat.world.bottom import ground_under
+from trainer.config.bottom import Bottom
+from trainer.debrief.trajectory import (
+    Trajectory,
+)
+
+
+class Grounding(NamedTuple):
+    """One time that the ground carried the boat."""
+
+    row: int  # at which it was aground
+    touch: Touch
+    hard: bool
+    at_fault: bool  # it was not meant, or not done well
+
+
+def groundings(trajectory: Trajectory) -> list[Grounding]:
+    """Return the groundings of a passage. Touching it again soon after is the same one."""
+    bottom = ground_under(trajectory.boat)
+    if bottom is None:
+        return []
+    return [_grounding(trajectory, bottom, row) for row in _rows(trajectory)]
+
+
+def _rows(trajectory: Trajectory) -> Iterator[int]:
+    """Yield the rows at which the boat is aground, having been off the ground for a while."""
+    ticks, seconds = trajectory.columns["aground"], trajectory.seconds
+    last = -np.inf
+    for row in np.flatnonzero(ticks >= AGROUND):
+        if row and seconds[row] - last > AFLOAT:
+            yield int(row)
+        last = seconds[row]
+
+
+def _grounding(trajectory: Trajectory, bottom: Bottom, row: int) -> Grounding:
+    columns = trajectory.columns
+    before = max(row - int(columns["aground"][row]), 0)
+    touch = touch_of(lambda name: float(columns[name][before]), float(trajectory.boat.vessel.ell))
+    hard = touch.is_hard(bottom.kind)
+    well = bottom.bottoming and not hard and not touch.faults and _lies(trajectory, row)
+    return Grounding(row, touch, hard, not well)
+
+
+def _lies(trajectory: Trajectory, row: int) -> bool:
+    """Return whether a boat comes to lie as it should, in time."""
+    soon = np.flatnonzero(trajectory.seconds <= trajectory.seconds[row] + LAID)
+    tonnes = trajectory.columns["bottom_load"] / float(trajectory.boat.vessel.g) / 1000.0
+    screw = trajectory.columns["u_c"]
+    return any(lies_well(float(tonnes[i]), float(screw[i])) for i in soon if i >= row)

@@ -1,0 +1,209 @@
+"""The ships that a run met: how near each came, and collisions."""
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.boat.world.contacts import contacts_in
+from trainer.boat.world.encounters import EncounterMonitor
+from trainer.boat.world.hulls import OwnHull, Pose
+from trainer.boat.world.scope import Periscope, periscope_of
+from trainer.core.kernel import Numbers
+from trainer.debrief.trajectory import (
+    Rows,
+    Trajectory,
+    eye_heights,
+)
+
+WAYS: Final = 400  # rows at which the ways of ships are looked at
+
+
+POSE: Final = ("x", "y", "z", "phi", "theta", "psi")
+
+
+MARKED: Final = re.compile(r"contact\b.*?(\d{1,3}(?:\.\d+)?)\s*", re.IGNORECASE)
+
+
+AIMED: Final = math.radians(3.0)  # [rad] between a mark's bearing and the ship's
+
+
+LOOKOUT: Final = "scope"  # the role whose marks of ships count
+
+
+LOOK: Final = 10.0  # [s] from look to look, for what a raised mast would have shown
+
+
+MISSED: Final = 120.0  # [s] that a ship would have been in sight for, to be missed
+
+
+@dataclass(frozen=True)
+class Met:
+    """Every ship's closest approach, and the nearest ship's range at each tick."""
+
+    nearest: Numbers  # [m] in the step to each tick, infinity without ships
+    closest: dict[str, tuple[float, int]] = field(default_factory=dict)  # [m] and tick, by name
+    collisions: tuple[tuple[int, str], ...] = ()  # ticks and names
+    collision: str = "call"  # what the exercise has one do
+
+
+@dataclass(frozen=True)
+class ShipWay:
+    """The way of a ship [m], at rows of the passage and their times [s]."""
+
+    name: str
+    rows: NDArray[np.int64]
+    seconds: Numbers
+    north: Numbers
+    east: Numbers
+
+
+def ways_of_ships(trajectory: Trajectory) -> list[ShipWay]:
+    """Return the ways of all ships of a passage, at some WAYS rows each."""
+    contacts = contacts_in(trajectory.boat)
+    every = max(trajectory.ticks.size // WAYS, 1)
+    found: dict[str, list[tuple[float, ...]]] = {}
+    for row in range(0, trajectory.ticks.size, every):
+        for ship in contacts.seen(int(trajectory.ticks[row])) if contacts else ():
+            found.setdefault(ship.name, []).append((row, ship.north, ship.east))
+    ways = []
+    for name, places in found.items():
+        rows, north, east = np.array(places).T
+        whole = rows.astype(np.int64)
+        ways.append(ShipWay(name, whole, trajectory.seconds[whole], north, east))
+    return ways
+
+
+def place_of_ship(trajectory: Trajectory, name: str, tick: int) -> tuple[float, float] | None:
+    """Return where a ship was at a tick, north and east [m]. None: it was not there."""
+    contacts = contacts_in(trajectory.boat)
+    ships = contacts.seen(tick) if contacts else ()
+    return next(((each.north, each.east) for each in ships if each.name == name), None)
+
+
+def meet(trajectory: Trajectory) -> Met:
+    """Return the ships that were met on a passage."""
+    contacts = contacts_in(trajectory.boat)
+    nearest = np.full(trajectory.ticks.size, np.inf)
+    if contacts is None or not contacts.any:
+        return Met(nearest)
+    monitor = EncounterMonitor(contacts, OwnHull.of(trajectory.boat))
+    rows = zip(*(trajectory.columns[name].tolist() for name in POSE), strict=True)
+    poses = [Pose(*row) for row in rows]
+    collisions = []
+    for row in range(1, len(poses)):
+        tick = int(trajectory.ticks[row])
+        monitor.step(contacts, tick, poses[row - 1], poses[row])
+        nearest[row] = monitor.nearest[1]
+        if monitor.struck:
+            collisions.append((tick, monitor.struck))
+    return Met(nearest, monitor.closest, tuple(collisions), contacts.encounters.collision)
+
+
+@dataclass(frozen=True)
+class Detection:
+    """A ship, and when it was in sight and was marked.
+
+    It was in sight, or would have been of a mast that is up.
+    """
+
+    name: str
+    there: int  # tick from which a mast that is up shows it
+    seen: int | None  # tick at which it came in sight; None: nobody looked
+    marked: int | None
+
+
+@dataclass(frozen=True)
+class LookOut:
+    """The ships of a look-out, and the ticks of marks that meant none."""
+
+    ships: tuple[Detection, ...] = ()
+    false: tuple[int, ...] = ()
+
+
+def shown(trajectory: Trajectory) -> tuple[Rows, Numbers]:
+    """Return at which ticks the head was out of the water, and at which raise."""
+    scope = periscope_of(trajectory.boat)
+    if scope is None:
+        return np.zeros(trajectory.ticks.size, bool), np.zeros(trajectory.ticks.size)
+    stood = [scope.at(tick) for tick in trajectory.ticks.tolist()]
+    out = np.array([mast.out > 0.0 for mast in stood])
+    return out & (eye_heights(trajectory) > 0.0), np.array([float(mast.raised) for mast in stood])
+
+
+def look_out(trajectory: Trajectory) -> LookOut:
+    """Return the ships in sight, or that could have been for MISSED, with marks."""
+    scope = periscope_of(trajectory.boat)
+    if scope is None:
+        return LookOut()
+    rows = np.flatnonzero(shown(trajectory)[0]).tolist()
+    seen: dict[str, int] = {}
+    for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory), up=False):
+        seen.setdefault(name, int(trajectory.ticks[row]))
+    there = {**_could_be_seen(trajectory, scope), **seen}
+    marks, false = _marks(trajectory, scope, seen)
+    ships = (Detection(name, at, seen.get(name), marks.get(name)) for name, at in there.items())
+    return LookOut(tuple(sorted(ships, key=lambda each: each.there)), false)
+
+
+def _could_be_seen(trajectory: Trajectory, scope: Periscope) -> dict[str, int]:
+    """Return the ships that a raised mast shows for MISSED, with the tick at which that began."""
+    every = max(round(LOOK / trajectory.boat.method.step), 1)
+    rows = list(range(0, trajectory.ticks.size, every))
+    found: dict[str, list[int]] = {}
+    for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory, up=True), up=True):
+        found.setdefault(name, []).append(int(trajectory.ticks[row]))
+    return {name: ticks[0] for name, ticks in found.items() if len(ticks) * LOOK >= MISSED}
+
+
+def _sights(
+    trajectory: Trajectory, scope: Periscope, rows: list[int], heights: Numbers, *, up: bool
+) -> Iterator[tuple[int, str]]:
+    """Yield each row with the name of each ship in sight then. ``up``: of a mast all out."""
+    for row in rows:
+        mast = scope.at(int(trajectory.ticks[row]))
+        mast = scope.raised(mast) if up else mast
+        eye = scope.place(state_of(trajectory, row), mast, float(heights[row]))
+        yield from ((row, sight.name) for sight in scope.sights(eye, mast))
+
+
+def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
+    """Return place and attitude at a row, by their names in the core."""
+    return {name: float(trajectory.columns[name][row]) for name in ("x", "y", "psi", "theta")}
+
+
+def _marks(
+    trajectory: Trajectory, scope: Periscope, seen: Mapping[str, int]
+) -> tuple[dict[str, int], tuple[int, ...]]:
+    """Return the tick of each ship's first mark, and those of marks that mean no ship seen."""
+    marks: dict[str, int] = {}
+    false = []
+    for tick, bearing in _bearings_marked(trajectory):
+        state = state_of(trajectory, trajectory.row(tick))
+        off = {
+            name: abs(math.remainder(true - bearing, math.tau))
+            for name, true in scope.near(state, tick)
+            if seen.get(name, math.inf) <= tick
+        }
+        nearest = min(off, key=lambda name: off[name], default="")
+        if off.get(nearest, math.inf) <= AIMED:
+            marks.setdefault(nearest, tick)
+        else:
+            false.append(tick)
+    return marks, tuple(false)
+
+
+def _bearings_marked(trajectory: Trajectory) -> Iterator[tuple[int, float]]:
+    """Yield tick and bearing [rad] of each ship that the crew has marked.
+
+    Marks are the periscope's; the instructor's count where nobody else has made any.
+    """
+    said = [(each, MARKED.match(each.text)) for each in trajectory.marks]
+    crew = [(mark, found) for mark, found in said if mark.who.startswith(LOOKOUT)]
+    for mark, found in crew or said:
+        if found:
+            yield mark.tick, math.radians(float(found[1]))

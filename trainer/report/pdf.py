@@ -1,0 +1,93 @@
+"""A page printed as PDF, by a browser found on this machine."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Final
+
+from trainer.config.files import ConfigError
+from trainer.io.atomic_write import replacing
+
+NAMES: Final = (
+    *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
+    *("microsoft-edge", "microsoft-edge-stable", "msedge", "chromium-headless-shell"),
+)
+
+
+MAC: Final = (
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+    "/Applications/Chromium.app/Contents/MacOS/Chromium",
+    "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
+)
+
+
+WINDOWS: Final = (
+    "Google/Chrome/Application/chrome.exe",
+    "Chromium/Application/chrome.exe",
+    "Microsoft/Edge/Application/msedge.exe",
+)
+
+
+FOLDERS: Final = ("PROGRAMFILES", "PROGRAMFILES(X86)", "LOCALAPPDATA")  # of Windows
+
+
+PATIENCE: Final = 120.0  # [s]
+
+
+def find_browser() -> str | None:
+    """Return a Chromium, Chrome or Edge, None if there is none."""
+    for name in NAMES:
+        if found := shutil.which(name):
+            return found
+    places = [Path(place) for place in MAC]
+    places += [Path(os.environ.get(each, "")) / place for each in FOLDERS for place in WINDOWS]
+    return next((str(place) for place in places if place.is_absolute() and place.is_file()), None)
+
+
+def print_pdf(html: Path, pdf: Path) -> None:
+    """Print a page to ``pdf``, which is replaced. ConfigError if no browser is there to do it."""
+    browser = find_browser()
+    if browser is None:
+        raise ConfigError(
+            f"--pdf {pdf}: no Chromium, Chrome or Edge is on this machine: install one, or open "
+            "the HTML page in a browser and print it from there"
+        )
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        printed = Path(folder) / "page.pdf"
+        said = _print(browser, html, printed)
+        if not printed.is_file():
+            raise ConfigError(
+                f"--pdf {pdf}: {browser} printed nothing: {said or 'it does not say why'}; open "
+                "the HTML page in a browser and print it from there"
+            )
+        try:
+            with replacing(pdf) as made:
+                shutil.copyfile(printed, made)
+        except OSError as error:
+            raise ConfigError(f"--pdf {pdf}: cannot be written: {error.strerror}") from None
+
+
+def _print(browser: str, html: Path, pdf: Path) -> str:
+    """Let the browser print; return the last line of its complaints."""
+    confined = hasattr(os, "geteuid") and os.geteuid() != 0  # a browser's sandbox refuses root
+    words = [
+        browser,
+        *("--headless", "--disable-gpu", "--no-pdf-header-footer", "--no-first-run"),
+        *(() if confined or sys.platform == "win32" else ("--no-sandbox",)),
+        f"--user-data-dir={pdf.parent / 'profile'}",
+        f"--print-to-pdf={pdf}",
+        html.resolve().as_uri(),
+    ]
+    try:
+        done = subprocess.run(  # noqa: S603 (a browser found by its name)
+            words, capture_output=True, timeout=PATIENCE, check=False, text=True, errors="replace"
+        )
+    except subprocess.TimeoutExpired:
+        return f"not done within {PATIENCE:g} s"
+    except OSError as error:
+        return str(error.strerror)
+    lines = done.stderr.strip().splitlines()
+    return lines[-1] if lines else ""
