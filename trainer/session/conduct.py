@@ -169,7 +169,7 @@ class Conduct:
         return f"{attached} attached: {within}"
 
     def not_for(self, role: Role) -> str:
-        """Return why a role may not begin the run of a crew again, "" if it may."""
+        """Return why a role may not begin a crew's run again, "" if it may."""
         return "" if self.visitors else not_for_visitors(role)
 
     def go_on(self, order: Order) -> None:
@@ -203,7 +203,7 @@ class Conduct:
         return told
 
     def desert(self) -> None:
-        """Tell that nobody is left to say run; an exercise that is over may stand still."""
+        """Tell that nobody is left to say run, unless the exercise is over."""
         if self.ending.over:
             return
         cause = f" by {self.halted}" if self.halted else ""

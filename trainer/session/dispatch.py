@@ -146,7 +146,7 @@ def end_gate(order: Order, station: Station | None, session: Parts) -> str:
 
 
 def hand_gate(order: Order, _station: Station | None, session: Parts) -> str:
-    """Return what the exercise has worked by hand, and an order would give to the autopilot."""
+    """Return that what an order makes automatic is to be worked by hand."""
     return session.crew.in_hand(order)
 
 
@@ -162,7 +162,7 @@ GATES: Final[Sequence[Gate]] = (
 
 
 def refusal(order: Order, station: Station | None, session: Parts) -> Refused | None:
-    """Return why the first gate that is shut to an order is so, None where all are open.
+    """Return why an order is refused by the first gate that is shut, None without.
 
     ``station`` is None for what comes from no line: a plan, or a call of the Python face.
     """
@@ -198,7 +198,7 @@ class Dispatch:
             station.answer(asked, reply)
 
     def give(self, order: Order, who: str) -> Reply:
-        """Carry out an order that comes from no station; return what now holds, or why not."""
+        """Carry out an order of no station; return what now holds, or why not."""
         meant = self.session.crew.meant(order)
         return refusal(meant, None, self.session) or self._carried_out(meant, who)
 
@@ -229,7 +229,7 @@ class Dispatch:
         return answer
 
     def obey(self, order: Order, who: str, speaker: Station | None = None) -> Reply:
-        """Have the boat, the crew or the plans obey; tell what the crew is to know of it."""
+        """Have the boat, the crew or the plans obey; tell the crew of it."""
         session = self.session
         obeyer = ORDERS[order.name].obeyer
         if obeyer is Obeyer.PLANS:
@@ -247,7 +247,7 @@ class Dispatch:
         return answer
 
     def say(self, tellings: Sequence[Telling], speaker: Station | None = None) -> None:
-        """Tell what was said; who has said it to the crew has an answer in place of the text."""
+        """Tell what was said. Who has said it has an answer in place of the text."""
         for telling in tellings:
             by = speaker if telling.kind == CREW else None
             self.session.event_log.tell(telling.kind, telling.text, by, telling.fact)
@@ -265,7 +265,7 @@ class Dispatch:
     # What is due
 
     def obey_schedule(self) -> None:
-        """Carry out what is due by now: an order acts on the first tick not before its time."""
+        """Carry out what is due: an order acts on the first tick not before its time."""
         session = self.session
         for place, entry in session.history.flown.due_of_schedule(session.agenda.schedule):
             answer = self.carry_out(entry.order, SCHEDULE, place)

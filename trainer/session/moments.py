@@ -1,4 +1,4 @@
-"""The latest moments of a branch, in memory that is taken once and for all at the start."""
+"""The latest moments of a branch, in memory that is taken once, at the start."""
 
 import struct
 from typing import Final
