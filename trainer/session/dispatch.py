@@ -265,7 +265,7 @@ class Dispatch:
     # What is due
 
     def obey_schedule(self) -> None:
-        """Carry out what is due: an order acts on the first tick not before its time."""
+        """Carry out what the schedule has up to the tick that comes."""
         session = self.session
         for place, entry in session.history.flown.due_of_schedule(session.agenda.schedule):
             answer = self.carry_out(entry.order, SCHEDULE, place)

@@ -68,7 +68,7 @@ class Parts:
         self.shown.show()
 
     def arrive(self) -> None:
-        """Take the moment as it is after a jump in time: nothing of it is news."""
+        """Take the moment as it is after a jump in time; nothing is news."""
         counting = self.monitors.limits, self.monitors.depths, self.monitors.pilot
         for monitor in counting:
             monitor.settle(self.boat)

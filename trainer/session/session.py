@@ -74,7 +74,7 @@ class Session(Parts):
         self.wake.set()
 
     def give(self, order: Order, who: str) -> Reply:
-        """Carry out an order that comes from no station; return what now holds, or why not."""
+        """Carry out an order of no station; return what now holds, or why not."""
         return self.dispatch.give(order, who)
 
     def tick(self) -> None:

@@ -1,4 +1,4 @@
-"""The orders to the world, as each stands at a moment: current, ships near, the ground."""
+"""The orders to the world that stand at a moment: current, ships near, ground."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
