@@ -41,6 +41,7 @@ def words_of(offered: list[str]) -> list[str]:
     return [each.removeprefix("plain,") for each in offered if each.startswith("plain,")]
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("words", "kind"),
     [
@@ -57,6 +58,7 @@ def test_shipped_names_are_offered(tmp_path: Path, words: tuple[str, ...], kind:
     assert words_of(completed(tmp_path, *words)) == list(shipped_names(kind))
 
 
+@pytest.mark.process
 def test_manoeuvres_and_roles_are_offered_and_are_all_there_are(tmp_path: Path) -> None:
     assert words_of(completed(tmp_path, "manoeuvre", "")) == list(MANOEUVRES)
     assert words_of(completed(tmp_path, "manoeuvre", "turn")) == ["turn", "turning-circle"]
@@ -65,6 +67,7 @@ def test_manoeuvres_and_roles_are_offered_and_are_all_there_are(tmp_path: Path) 
     assert tuple(ROLES) == run_commands.ROLES
 
 
+@pytest.mark.process
 def test_a_file_is_offered_by_its_ending_and_a_folder_with_it(tmp_path: Path) -> None:
     for name in ("boat.toml", "bill.trainer", ".hidden.toml", "b.txt"):
         (tmp_path / name).touch()
@@ -79,17 +82,20 @@ def test_a_file_is_offered_by_its_ending_and_a_folder_with_it(tmp_path: Path) ->
     assert completed(tmp_path, "check", "nowhere/b") == []
 
 
+@pytest.mark.process
 def test_a_name_that_a_shell_has_to_quote_is_left_to_the_shell(tmp_path: Path) -> None:
     (tmp_path / "my drill.trainer").touch()
 
     assert completed(tmp_path, "replay", "my") == ["file,my"]
 
 
+@pytest.mark.process
 def test_a_command_that_is_not_there_is_no_error_while_it_is_typed(tmp_path: Path) -> None:
     assert words_of(completed(tmp_path, "vess")) == ["vessels", "vessel"]
     assert completed(tmp_path, "nothing-like-it", "x") == []
 
 
+@pytest.mark.process
 def test_completion_loads_no_core(tmp_path: Path) -> None:
     words = {"COMP_WORDS": "trainer run ", "COMP_CWORD": "2"}
     names = imported((), tmp_path, _TRAINER_COMPLETE="bash_complete", **words)
@@ -98,6 +104,7 @@ def test_completion_loads_no_core(tmp_path: Path) -> None:
     assert not names.intersection(HEAVY)
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_a_shell_is_told_how_to_complete(tmp_path: Path, shell: str) -> None:
     done = subprocess.run(
@@ -114,6 +121,7 @@ def test_a_shell_is_told_how_to_complete(tmp_path: Path, shell: str) -> None:
         subprocess.run([shell, "-n", str(tmp_path / "completion")], check=True)
 
 
+@pytest.mark.process
 @pytest.mark.skipif(os.name != "posix" or not shutil.which("bash"), reason="no bash here")
 def test_bash_completes_by_the_line_that_the_documents_show(tmp_path: Path) -> None:
     script = """

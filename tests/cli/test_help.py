@@ -261,6 +261,7 @@ def typist(tmp_path: Path) -> Iterator[Typist]:
         found.end()
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("page", CASES)
 def test_the_examples_of_a_help_page_work(page: str, typist: Typist) -> None:
     for line in FIRST.get(page, ()):

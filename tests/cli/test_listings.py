@@ -54,6 +54,7 @@ def test_a_listed_sea_is_the_one_of_its_file() -> None:
         )
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("what", LISTS)
 def test_a_list_loads_no_core(what: str) -> None:
     names = imported((what,))

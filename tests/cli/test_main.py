@@ -97,6 +97,7 @@ def test_a_fault_of_the_program_itself_is_told_whole(monkeypatch: pytest.MonkeyP
         main.main()
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("memory", [330_000, 250_000, 150_000])
 def test_a_run_without_enough_memory_ends_without_a_traceback(memory: int, tmp_path: Path) -> None:
     words = ("run", "--headless", "--speed", "max", "--duration", "1")
@@ -137,6 +138,7 @@ def test_a_word_that_lacks_is_told_in_one_line_with_the_choices(
     assert "\\" not in told
 
 
+@pytest.mark.process
 def test_a_file_whose_name_is_not_utf8_is_recorded_debriefed_and_listed(tmp_path: Path) -> None:
     name = b"nam\xff.trainer"
     with trainer.Boat(record=tmp_path / "run.trainer") as boat:

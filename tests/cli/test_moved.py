@@ -20,6 +20,7 @@ LINES = {
 }
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("line", LINES)
 def test_a_command_that_has_gone_says_in_one_line_what_to_type_now(line: str) -> None:
     done = subprocess.run(
@@ -36,6 +37,7 @@ def test_a_command_that_has_gone_says_in_one_line_what_to_type_now(line: str) ->
 NEW = sorted({word for now in MOVED.values() for word in re.findall(r"tests\.\w+", now)})
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("module", NEW)
 def test_what_is_typed_now_is_there_from_a_checkout(module: str) -> None:
     done = subprocess.run(

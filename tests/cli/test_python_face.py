@@ -68,6 +68,7 @@ def same(one: dict[str, NDArray[np.float64]], other: dict[str, NDArray[np.float6
 # What it costs, and what is there
 
 
+@pytest.mark.process
 def test_importing_the_trainer_imports_nothing_else() -> None:
     code = "import sys; before = set(sys.modules); import trainer; print(set(sys.modules) - before)"
     done = subprocess.run(
@@ -122,6 +123,7 @@ def test_every_keyword_is_an_option_of_its_command(
 # The same bits
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("words", "options"),
     [
@@ -151,6 +153,7 @@ def test_a_boat_by_call_has_the_rows_of_a_headless_run(
     assert boat.state == scheduled.state
 
 
+@pytest.mark.process
 def test_an_exercise_by_call_is_recorded_as_by_a_headless_run(tmp_path: Path) -> None:
     headless(tmp_path, "stern-plane-jam", "--seed", 3, "--record", "one.trainer")
     with trainer.Boat(exercise="stern-plane-jam", seed=3, record=tmp_path / "two.trainer") as boat:
@@ -314,6 +317,7 @@ def test_a_boat_takes_one_call_at_a_time_and_no_row_is_lost(
 # The same words
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("words", "options"),
     [

@@ -29,6 +29,7 @@ def ran(code: str, folder: Path) -> str:
     return done.stdout
 
 
+@pytest.mark.process
 def test_the_blocks_of_the_page_run_one_after_the_other(tmp_path: Path) -> None:
     blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
     assert len(blocks) > 8
@@ -47,6 +48,7 @@ def test_every_public_name_is_in_the_reference_as_its_docstring_has_it() -> None
     )
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("path", notebooks.NOTEBOOKS, ids=lambda path: path.stem)
 def test_the_notebook_s_code_prints_what_the_notebook_shows(tmp_path: Path, path: Path) -> None:
     shown = [notebooks.outputs_of(cell) for cell in notebooks.cells(path)]

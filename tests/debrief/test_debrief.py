@@ -43,7 +43,7 @@ from trainer.debrief.page import (
 )
 from trainer.debrief.sections import pressed_together
 from trainer.io.recording.recording import Journalled, Recording
-from trainer.report import html, pdf
+from trainer.report import pdf
 from trainer.report.html import HERE
 from trainer.report.pdf import print_pdf
 from trainer.report.svg import Ground, clock, step_of, thin, ticks
@@ -838,7 +838,7 @@ def test_the_command_writes_the_page_of_a_run(tmp_path: Path) -> None:
 def test_without_a_browser_the_next_step_is_told(
     wound_back: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(html, "find_browser", lambda: None)
+    monkeypatch.setattr(pdf, "find_browser", lambda: None)
     with pytest.raises(ConfigError, match="no Chromium, Chrome or Edge is on this machine"):
         debrief_file(wound_back, None, tmp_path / "a.pdf", Asked(), as_json=False)
     assert list(tmp_path.iterdir()) == []
@@ -849,7 +849,7 @@ def test_a_browser_that_prints_nothing_is_told_with_what_it_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "page.html").write_text("<p>hello</p>")
-    monkeypatch.setattr(html, "find_browser", lambda: sys.executable)
+    monkeypatch.setattr(pdf, "find_browser", lambda: sys.executable)
     with pytest.raises(ConfigError, match=r"printed nothing: Try .*for more information"):
         print_pdf(tmp_path / "page.html", tmp_path / "page.pdf")
 

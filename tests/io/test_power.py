@@ -258,10 +258,12 @@ def cut_often(folder: Path, layer: Path, cuts: int, seed: int) -> None:
         machine.end()
 
 
+@pytest.mark.process
 def test_lost_power_takes_nothing_that_is_older_than_a_second(tmp_path: Path, layer: Path) -> None:
     cut_often(tmp_path, layer, CUTS, seed=1)
 
 
+@pytest.mark.process
 def test_a_recording_that_is_begun_is_on_the_disk_with_its_header(
     tmp_path: Path, layer: Path
 ) -> None:

@@ -418,6 +418,7 @@ def kill_often(folder: Path, kills: int) -> None:
     assert begun >= kills // 2
 
 
+@pytest.mark.process
 @posix
 def test_a_kill_at_any_instant_loses_no_order(tmp_path: Path) -> None:
     kill_often(tmp_path, 20)
@@ -491,6 +492,7 @@ recording.close()
 """
 
 
+@pytest.mark.process
 def test_what_reads_back_never_waits_for_the_thread_that_writes(path: Path) -> None:
     words = [sys.executable, "-c", READS_WHILE_IT_WRITES, str(path)]
 
@@ -500,6 +502,7 @@ def test_what_reads_back_never_waits_for_the_thread_that_writes(path: Path) -> N
         assert recording.latest().tick > 10
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("open_it", [begin, Recording.reopen, Recording.look])
 def test_one_program_alone_may_go_on_with_a_recording(
     path: Path, open_it: Callable[[Path], Recording]

@@ -73,15 +73,16 @@ def show_step(step: int, cost: float) -> None:
         click.echo(f"\rstep {step}, -log L {cost:.4f}  ", nl=False, err=True)
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a file whole; ConfigError if it cannot be written."""
+def write_text(path: Path, text: str, option: str = "") -> None:
+    """Write a file whole; ConfigError, with the option that named it, if that cannot be."""
     from trainer.config.files import ConfigError
     from trainer.io.atomic_write import write_whole
 
     try:
         write_whole(path, text)
     except OSError as error:
-        raise ConfigError(f"{path}: cannot be written: {error.strerror}") from None
+        named = f"{option} {path}".lstrip()
+        raise ConfigError(f"{named}: cannot be written: {error.strerror}") from None
 
 
 @contextmanager

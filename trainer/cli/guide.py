@@ -288,7 +288,7 @@ def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
         return
     with tempfile.TemporaryDirectory() as folder:
         path = html or Path(folder) / "guide.html"
-        write_text(path, text)
+        write_text(path, text, "--html")
         if pdf is not None:
             print_pdf(path, pdf)
 

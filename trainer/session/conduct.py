@@ -104,7 +104,7 @@ class Conduct:
             self._stop()
 
     def judge_hull(self) -> None:
-        """Tell of the ground and of the hull's collapse, and do what the exercise has them do."""
+        """Tell of the ground and the hull, and do what the exercise has them do."""
         for call in self.tell_ground():
             if call.aground:
                 self.halt(call.text, call.how)

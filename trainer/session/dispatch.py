@@ -37,7 +37,7 @@ from trainer.session.crew import SCHEDULE, Telling, role_of
 from trainer.session.event_log import CREW
 from trainer.session.manning import unheard
 from trainer.session.parts import Parts
-from trainer.session.stations.roles import INSTRUCTOR, ROLES
+from trainer.session.stations.roles import INSTRUCTOR, ROLES, roles_with
 from trainer.session.stations.station import Asked, Duty, Fact, Lines, Station
 
 Gate = Callable[[Order, Station | None, Parts], str]
@@ -342,7 +342,7 @@ def order_table() -> str:
     """Return the Markdown table of the order words, as docs/stations.md shows it."""
     rows: dict[tuple[str, ...], list[str]] = {}
     for word, rule in ORDERS.items():
-        holders = [name for name, role in ROLES.items() if word in role.commands]
+        holders = roles_with(word)
         gates = (rule.journalled, rule.in_replay, rule.after_end, rule.watching)
         marks = ["yes" if is_open else "no" for is_open in gates]
         everybody = len(holders) == len(ROLES)

@@ -73,7 +73,7 @@ class Judge(Protocol):
         ...
 
     def judge_hull(self) -> None:
-        """Tell of the ground and of the hull's collapse, and do what the exercise has them do."""
+        """Tell of the ground and the hull, and do what the exercise has them do."""
         ...
 
     def look(self) -> None:

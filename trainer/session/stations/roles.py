@@ -208,6 +208,11 @@ def hears(role: Role, kind: str) -> bool:
     return role is INSTRUCTOR or kind in role.events
 
 
+def roles_with(word: str) -> list[str]:
+    """Return the names of the roles that may give an order of that word."""
+    return [name for name, role in ROLES.items() if word in role.commands]
+
+
 def role_table() -> str:
     """Return the Markdown table of the roles, as docs/stations.md shows it."""
     lines = ["| role | orders | sees |", "|---|---|---|"]
