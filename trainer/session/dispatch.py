@@ -11,9 +11,10 @@
 3. **What is due comes before.** The exercise's orders up to this tick are carried out, so that an
    order finds the boat as the exercise has it. They walk no gate: the exercise may order what it
    forbids its crew.
-4. **Journalled.** An order that moves the boat, the crew's words or the plans is written into the
-   journal before it acts, with a number: what the state of a moment includes is told by that
-   number alone. The tick does not wait for the disk.
+4. **Journalled** (``history.order``, and on the disk by ``io/recording/recording``). An order that
+   moves the boat, the crew's words or the plans is written into the journal before it acts, with
+   a number: what the state of a moment includes is told by that number alone. The tick does not
+   wait for the disk (``io/recording/durability``).
 5. **Obeyed** by who obeys it (``Obeyer``), at the present tick; it acts from the next tick on.
 6. **Answered**: in the journal, at the station, and to all others whose role hears of it.
 

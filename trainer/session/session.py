@@ -52,7 +52,9 @@ class Session(Parts):
         self._write_row()
         self.conduct.judge_hull()  # a recorded run may have ended in a collapse
         self.conduct.look()  # or at its exercise's end
-        self.dispatch.obey_schedule()  # the crew's controls are in hand before time runs
+        if any(self.history.flown.due_of_schedule(self.agenda.schedule)):
+            self.shown.show()  # the moment as it is recorded, before what is ordered in it
+            self.dispatch.obey_schedule()  # the crew's controls are in hand before time runs
         if not (frozen or self.control.failure or self.conduct.ending.over):
             self.time.pacer.run()
         self.shown.show()

@@ -199,11 +199,10 @@ class Gathering:
         if last is None:
             self._seconds = taken.tick * self._step
             return True
-        ahead = taken.tick - last.tick
-        if ahead == 0 and taken.state == last.state:
-            return False
-        same = ahead > 0 and taken.pace.branch == last.pace.branch
-        self._seconds += (ahead if same else 1) * self._step
+        ahead, same = taken.tick - last.tick, taken.pace.branch == last.pace.branch
+        if ahead == 0 and (same or taken.state == last.state):
+            return False  # what was ordered at a tick is seen after it
+        self._seconds += (ahead if ahead > 0 and same else 1) * self._step
         return True
 
 
