@@ -97,11 +97,22 @@ static void add_component(struct scratch *work, double omega, double rise, doubl
     pull[FLOW] += swing / omega;
 }
 
-static void add_wave_filter(struct scratch *work, double a, const struct state *s)
+static double filter_number(
+    const struct vessel *c, double number, const struct scratch *work, const struct state *s)
+{
+    if (work->levels == 0.0)
+        return s->push_number;
+    double covered = 2.0 * (work->depth + c->hull_axis) / c->hull_diameter - 1.0;
+    return number + least(most(covered, 0.0), 1.0) * (s->push_number - number);
+}
+
+static void add_wave_filter(
+    const struct vessel *c, double a, struct scratch *work, const struct state *s)
 {
     double number = s->sea_omega * s->sea_omega / work->g;
     double size = a * work->g * number * exponential(-number * work->depth);
-    add_component(work, sqrt(work->g * s->push_number), size * s->push_cos, size * s->push_sin);
+    double omega = sqrt(work->g * filter_number(c, number, work, s));
+    add_component(work, omega, size * s->push_cos, size * s->push_sin);
     if (work->levels != 0.0)
         raise_levels(work, number, a * s->wave_cos, a * s->wave_sin);
 }
@@ -115,12 +126,12 @@ static void add_filter_1969(struct scratch *work, double a, const struct state *
         raise_levels(work, number, a * s->sea_elevation, a * s->sea_quadrature);
 }
 
-static void add_filters(struct scratch *work, const struct state *s)
+static void add_filters(const struct vessel *c, struct scratch *work, const struct state *s)
 {
     cosine_and_sine(s->sea_direction - s->psi, &work->along, &work->across);
     double a = 0.25 * s->sea_height * sqrt(1.0 - s->sea_cosines);
     if (s->sea_1969 < 1.0)
-        add_wave_filter(work, a * sqrt(1.0 - s->sea_1969), s);
+        add_wave_filter(c, a * sqrt(1.0 - s->sea_1969), work, s);
     if (s->sea_1969 > 0.0)
         add_filter_1969(work, a * sqrt(s->sea_1969), s);
 }
@@ -176,7 +187,7 @@ static void wave_forces(
     for (int i = 0; i < (int)(sizeof work->pull / sizeof *work->pull); i++)
         work->pull[i] = 0.0;
     if (s->sea_cosines < 1.0)
-        add_filters(work, s);
+        add_filters(c, work, s);
     if (s->sea_cosines > 0.0)
         add_sum(work, s);
     if (work->levels != 0.0)

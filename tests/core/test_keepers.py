@@ -33,10 +33,16 @@ def started(make_boat: Callable[..., Boat]) -> Start:
     """Return a function that starts BB2 on autopilot, course north, in a sea from ahead or so."""
 
     def start(
-        knots: float, depth: float, state: int = 0, origin: float = 0.0, seed: int = 1
+        knots: float,
+        depth: float,
+        state: int = 0,
+        origin: float = 0.0,
+        seed: int = 1,
+        generator: str = "cosines",
     ) -> Boat:
         boat = make_boat("bb2", "modified", "lagged", "adams2", 0.5)
-        text = f'[sea]\nsea_state = {state}\ndirection_deg = {origin}\ngenerator = "cosines"\n'
+        text = f"[sea]\nsea_state = {state}\ndirection_deg = {origin}\n"
+        text += f'generator = "{generator}"\n'
         boat.sea = parse_sea(text + 'suction = "on"\n', Path("this.toml"))
         boat.start(knots * KNOT, depth, 0.0, seed)
         return boat
@@ -275,6 +281,18 @@ def test_depth_is_kept_in_waves_and_the_planes_leave_them_alone(
     assert rows[:, 3].std() / DEGREE < planes
     assert abs(rows[:, 1].mean()) < 0.6 * DEGREE
     assert rows[:, 4].min() == 1.0
+
+
+@pytest.mark.parametrize(("state", "most"), [(5, 0.7), (6, 1.9)])
+def test_a_sea_of_the_filter_is_as_easy_at_5_knots_as_a_sum_of_cosines(
+    started: Start, state: int, most: float
+) -> None:
+    for seed in (11, 12, 13):
+        boat = started(5.0, 17.5, state, seed=seed, generator="filter")
+        sail(boat, 600.0, "z")
+        depths = sail(boat, 3000.0, "z")[:, 0]
+
+        assert np.sqrt(((depths - 17.5) ** 2).mean()) < most
 
 
 @pytest.mark.parametrize(("knots", "state", "origin"), [(5.0, 5, 180.0), (8.0, 6, 0.0)])

@@ -22,7 +22,7 @@ from trainer.config.files import (
     shipped_names,
 )
 from trainer.config.sea import load_sea
-from trainer.core.cache import SAME_BITS
+from trainer.core import cache
 from trainer.session import header as header_module
 from trainer.session.header import differences, header_of, layout_of, method_of, notes, plan_of
 from trainer.session.layout import LAYOUT, read_state, unlike
@@ -325,10 +325,29 @@ def test_another_version_core_or_state_is_told(monkeypatch: pytest.MonkeyPatch) 
     ]
 
 
-@pytest.mark.parametrize("earlier", sorted(SAME_BITS))
-def test_an_earlier_core_of_the_same_bits_is_no_difference(earlier: str) -> None:
+def test_an_earlier_core_of_the_same_bits_is_no_difference(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     _, _, header = recorded_run(RunOptions(equations="full"))
-    assert differences({**header, "core": earlier}) == []
+    earlier = {**header, "core": "of yesterday"}
+    assert differences(earlier) != []
+
+    monkeypatch.setattr(cache, "SAME_BITS", frozenset({"of yesterday"}))
+
+    assert differences(earlier) == []
+
+
+# The core before the force rows with a double zero at rest, and those whose bits it had.
+@pytest.mark.parametrize(
+    "earlier",
+    ["903b64a6d0ec99fb", "85b75f58a082ce9f", "9621e438af398b4f", "2f0859a1c90a8d8c"],
+)
+def test_a_core_with_other_waves_is_another_core(earlier: str) -> None:
+    _, _, header = recorded_run(RunOptions(equations="full"))
+
+    told = differences({**header, "core": earlier})
+
+    assert told == [f"core {header['core']}, recorded {earlier}: other equations"]
 
 
 def test_other_libraries_are_noted_and_are_no_difference() -> None:

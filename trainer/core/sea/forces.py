@@ -30,7 +30,8 @@ slowly with the groups. The boat is taken as held still; one that follows the wa
 less. Suction gives no moment.
 
 The waves of the filter have a pair of outputs of their own for the force. It has the energy that is
-left at the depth, with the length of the waves that are left there: an estimate.
+left at the depth, with the length of the waves that are left there: an estimate. On a boat afloat
+it has the length of the peak wave, as the water's levels have: an estimate too.
 """
 
 import math
@@ -233,17 +234,33 @@ def add_component(scratch: Record, omega: float, rise: float, swing: float) -> N
 
 
 @part
-def add_wave_filter(scratch: Record, a: float, state: Record) -> None:
+def filter_number(vessel: Record, number: float, scratch: Record, state: Record) -> float:
+    """Return the wave number [1/m] of the filter's push; ``number`` is the peak's.
+
+    It is that of the waves that are left at the depth. A hull that the surface cuts is pushed up by
+    its waterplane and down by the water's acceleration, which nearly cancel about its own period.
+    They do so in waves of one length only, and that of the water's levels is the peak's.
+    """
+    c, s = vessel[0], state[0]
+    work = scratch[0]
+    if work.levels == 0.0:
+        return s.push_number
+    covered = 2.0 * (work.depth + c.hull_axis) / c.hull_diameter - 1.0
+    return number + min(max(covered, 0.0), 1.0) * (s.push_number - number)
+
+
+@part
+def add_wave_filter(vessel: Record, a: float, scratch: Record, state: Record) -> None:
     """Add the force of the wave filter, as one wave.
 
-    It has the length of the waves that are left at the depth. ``a`` [m] is their standard
-    deviation. The water's level has the length of the peak.
+    ``a`` [m] is the waves' standard deviation. The water's level has the length of the peak.
     """
     s = state[0]
     work = scratch[0]
     number = s.sea_omega * s.sea_omega / work.g
     size = a * work.g * number * exponential(-number * work.depth)
-    add_component(scratch, math.sqrt(work.g * s.push_number), size * s.push_cos, size * s.push_sin)
+    omega = math.sqrt(work.g * filter_number(vessel, number, scratch, state))
+    add_component(scratch, omega, size * s.push_cos, size * s.push_sin)
     if work.levels != 0.0:
         raise_levels(scratch, number, a * s.wave_cos, a * s.wave_sin)
 
@@ -264,14 +281,14 @@ def add_filter_1969(scratch: Record, a: float, state: Record) -> None:
 
 
 @part
-def add_filters(scratch: Record, state: Record) -> None:
+def add_filters(vessel: Record, scratch: Record, state: Record) -> None:
     """Add the waves of the filters in use to the sums."""
     s = state[0]
     work = scratch[0]
     work.along, work.across = cosine_and_sine(s.sea_direction - s.psi)
     a = 0.25 * s.sea_height * math.sqrt(1.0 - s.sea_cosines)
     if s.sea_1969 < 1.0:
-        add_wave_filter(scratch, a * math.sqrt(1.0 - s.sea_1969), state)
+        add_wave_filter(vessel, a * math.sqrt(1.0 - s.sea_1969), scratch, state)
     if s.sea_1969 > 0.0:
         add_filter_1969(scratch, a * math.sqrt(s.sea_1969), state)
 
@@ -337,7 +354,7 @@ def wave_forces(vessel: Record, scratch: Record, state: Record, force: Numbers) 
     for i in range(work.pull.size):
         work.pull[i] = 0.0
     if s.sea_cosines < 1.0:
-        add_filters(scratch, state)
+        add_filters(vessel, scratch, state)
     if s.sea_cosines > 0.0:
         add_sum(scratch, state)
     if work.levels != 0.0:

@@ -1,0 +1,1 @@
+"""The programs that made the constants of the core; tests make the constants again."""

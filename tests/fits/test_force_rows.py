@@ -1,0 +1,31 @@
+"""The wave filter's tables are those that their program makes."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from fits.__main__ import fits
+from fits.force_rows import all_numbers, all_rows
+from trainer.core.sea.wave_filter import FORCE_ROWS, LENGTHS
+
+pytestmark = pytest.mark.slow
+
+
+def test_the_force_rows_are_made_again() -> None:
+    made = np.swapaxes(all_rows(), 2, 3)
+
+    assert made == pytest.approx(FORCE_ROWS, rel=1e-9, abs=1e-9)
+
+
+def test_the_wave_numbers_that_are_left_are_made_again() -> None:
+    assert all_numbers() == pytest.approx(LENGTHS, rel=1e-9)
+
+
+def test_the_program_writes_them_as_they_stand_in_the_core() -> None:
+    done = CliRunner().invoke(fits)
+
+    assert done.exit_code == 0, done.output
+    rows = [line.split() for line in done.output.splitlines() if not line[0].isupper()]
+    found = np.array([float(word) for row in rows[1:] for word in row])
+    written = np.concatenate([np.swapaxes(FORCE_ROWS, 2, 3).ravel(), LENGTHS.ravel()])
+    assert found == pytest.approx(written, rel=1e-9, abs=1e-9)
