@@ -284,7 +284,7 @@ def test_depth_is_kept_in_waves_and_the_planes_leave_them_alone(
 
 
 @pytest.mark.parametrize(("state", "most"), [(5, 0.7), (6, 1.9)])
-def test_a_sea_of_the_filter_is_as_easy_at_5_knots_as_a_sum_of_cosines(
+def test_depth_is_kept_at_5_knots_in_a_sea_of_the_filter(
     started: Start, state: int, most: float
 ) -> None:
     for seed in (11, 12, 13):

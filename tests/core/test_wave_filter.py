@@ -241,13 +241,14 @@ def test_at_each_tabled_depth_the_force_has_the_variance_that_is_left(bank: int)
 
 
 @pytest.mark.parametrize("bank", [0, 1])
-@pytest.mark.parametrize(("row", "most"), [(0, 0.25), (1, 0.03)])
+@pytest.mark.parametrize(("kappa", "most"), [(0.0, 0.25), (0.1, 0.03)])
 def test_near_the_surface_the_waves_that_move_a_boat_push_as_they_should(
-    bank: int, row: int, most: float
+    bank: int, kappa: float, most: float
 ) -> None:
+    row = list(FORCE_DEPTHS).index(kappa)
     x = np.linspace(0.3, 2.5, 2201)
     wave = gains(bank, WAVE_ROWS[bank, :, :1], x)[:, 0]
-    wanted = wave * x**2 * np.exp(-FORCE_DEPTHS[row] * (x**2 - 1.0))
+    wanted = wave * x**2 * np.exp(-kappa * (x**2 - 1.0))
     found = gains(bank, FORCE_ROWS[bank, row], x)
 
     excess = np.sum(found**2, axis=0) / np.sum(wanted**2) - 1.0
