@@ -65,6 +65,7 @@ def test_the_module_imports_nothing_and_shows_what_a_host_needs() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.process
 def test_the_module_is_built_again_to_the_byte(tmp_path: Path) -> None:
     installed("wasm-ld", "lld")
     built = CliRunner().invoke(cli, ["export-core", str(tmp_path), "--cpu", "wasm32", "--json"])
