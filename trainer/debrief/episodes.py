@@ -23,10 +23,10 @@ from trainer.debrief.trajectory import (
     stretches,
 )
 from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.facts import CrewNews, GiverKind
 from trainer.io.recording.recording import Journalled
 from trainer.units import KNOT
 
-SCHEDULE: Final = "schedule"  # who gives the orders of the exercise
 INSTRUCTOR: Final = "instructor"
 KEPT: Final = {  # [SI] off an order within which it is kept
     "depth": 3.0,
@@ -35,10 +35,6 @@ KEPT: Final = {  # [SI] off an order within which it is kept
     "pitch": math.radians(2.0),
 }
 MOVED: Final = np.radians(2.0)  # [rad] by which a surface has been deflected
-ORDERED: Final = "ordered: "  # begins the answer to an order to the crew
-AYE: Final = " aye"  # ends that to a repeat
-TELL: Final = "tell "  # began it in recordings of before
-WRONG: Final = "WRONG REPEAT: "
 WORDS: Final = "words"  # the axis of an order in words
 
 
@@ -104,9 +100,11 @@ def crew_orders(trajectory: Trajectory) -> tuple[Journalled, ...]:
     instructor is alone on board, and is the crew.
     """
     given = [
-        each for each in trajectory.orders if each.who != SCHEDULE and each.accepted is not False
+        each
+        for each in trajectory.orders
+        if each.giver.kind is not GiverKind.SCHEDULE and each.accepted is not False
     ]
-    stations = [each for each in given if not each.who.startswith(INSTRUCTOR)]
+    stations = [each for each in given if each.giver.role != INSTRUCTOR]
     return tuple(each for each in stations or given if name_of(each) not in INSTRUCTING)
 
 
@@ -170,30 +168,20 @@ def read_backs(trajectory: Trajectory) -> tuple[ReadBack, ...]:
         order = parse(entry.text)
         if not isinstance(order, Order) or entry.accepted is False:
             continue
-        if order.name in ("order", "tell"):
-            found += _ordered(entry, order)
-        elif order.name == "aye":
-            _repeat(found, entry)
+        if entry.crew.news is CrewNews.ORDERED:
+            axis = WORDS if order.name == "tell" else order.word.partition("_")[0]
+            found.append(ReadBack(entry, axis.replace("periscope", "depth"), entry.crew.order))
+        elif entry.crew.news is not CrewNews.NOTHING:
+            _repeat(found, entry, order.subject)
     return tuple(_carried_out(found, trajectory))
 
 
-def _ordered(entry: Journalled, order: Order) -> Iterator[ReadBack]:
-    """Yield what an order to the crew begins; nothing where it ends one."""
-    if order.name == "tell":
-        yield ReadBack(entry, WORDS, order.subject)
-    elif entry.answer.startswith(ORDERED) or not order.word.startswith("clear"):
-        axis = order.word.partition("_")[0].replace("periscope", "depth")
-        yield ReadBack(entry, axis, entry.answer.removeprefix(ORDERED) or entry.text)
-
-
-def _repeat(found: list[ReadBack], entry: Journalled) -> None:
+def _repeat(found: list[ReadBack], entry: Journalled, words: str) -> None:
     """Note a repeat, right or wrong, with the newest order that it is about."""
-    wrong = entry.answer.startswith(WRONG)
-    said, _, meant = entry.answer.removeprefix(WRONG).partition("; ordered is ")
-    told = meant if wrong else entry.answer.removesuffix(AYE)
+    wrong = entry.crew.news is CrewNews.WRONG_REPEAT
     for i in range(len(found) - 1, -1, -1):
-        if found[i].told == told.removeprefix(TELL) and found[i].repeated is None:
-            changed = {"wrong": (*found[i].wrong, said)} if wrong else {"repeated": entry}
+        if found[i].told == entry.crew.order and found[i].repeated is None:
+            changed = {"wrong": (*found[i].wrong, words)} if wrong else {"repeated": entry}
             found[i] = replace(found[i], **changed)
             return
 

@@ -66,7 +66,7 @@ class EventLog:
         news = News(self.history.tick, boat.time, kind, said, fact)
         talk = kind == CREW or (fact is not None and fact.what in SAID)
         keeper = self.history.flown.talk if talk else self.history.recording
-        keeper.event(news.tick, kind, by.who if by else "", text)
+        keeper.event(news.tick, kind, *((by.who, text, by.role.name) if by else ("", text)))
         for hear in self.hearers:
             hear(news)
         self._spread(news, by)

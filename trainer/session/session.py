@@ -7,6 +7,7 @@ from typing import Final
 
 from trainer.boat.boat import TICK
 from trainer.io.orders.grammar import Order, Reply
+from trainer.io.recording.facts import Giver
 from trainer.io.tables import Columns, NoFile
 from trainer.session.attendance import Attendance, Introduction
 from trainer.session.dispatch import Dispatch
@@ -75,9 +76,9 @@ class Session(Parts):
         self.control.ended = True
         self.wake.set()
 
-    def give(self, order: Order, who: str) -> Reply:
+    def give(self, order: Order, giver: Giver) -> Reply:
         """Carry out an order of no station; return what now holds, or why not."""
-        return self.dispatch.give(order, who)
+        return self.dispatch.give(order, giver)
 
     def tick(self) -> None:
         """Carry out the orders that are due, and unless they stop time take a tick."""

@@ -18,6 +18,8 @@ from trainer.io.orders import sentences
 from trainer.io.orders.grammar import BadOrder, Order, Refused, Reply, to_the_crew
 from trainer.io.orders.help import help_text
 from trainer.io.orders.sentences import Heard, hear
+from trainer.io.recording.facts import Giver
+from trainer.io.recording.facts import station as giver_at
 from trainer.session.stations.channels import EVENTS, TELETYPE
 from trainer.session.stations.display import WIDTH
 from trainer.session.stations.roles import (
@@ -160,7 +162,12 @@ class Station:
     @property
     def who(self) -> str:
         """Return who gives an order here, for the record."""
-        return f"{self.role.name} at {self.line.name}"
+        return self.giver.words
+
+    @property
+    def giver(self) -> Giver:
+        """Return who gives an order here."""
+        return giver_at(self.role.name, self.line.name)
 
     def account(self) -> str:
         """Return what there is to say of the line, for the order ``who``."""
