@@ -22,7 +22,7 @@ from trainer.debrief.trajectory import (
     Trajectory,
     stretches,
 )
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order, name_of, parse
 from trainer.io.recording.facts import CrewNews, GiverKind
 from trainer.io.recording.recording import Journalled
 from trainer.units import KNOT
@@ -105,13 +105,7 @@ def crew_orders(trajectory: Trajectory) -> tuple[Journalled, ...]:
         if each.giver.kind is not GiverKind.SCHEDULE and each.accepted is not False
     ]
     stations = [each for each in given if each.giver.role != INSTRUCTOR]
-    return tuple(each for each in stations or given if name_of(each) not in INSTRUCTING)
-
-
-def name_of(entry: Journalled) -> str:
-    """Return the order's name in the grammar, '' if this version does not know it."""
-    order = parse(entry.text)
-    return order.name if isinstance(order, Order) else ""
+    return tuple(each for each in stations or given if name_of(each.text) not in INSTRUCTING)
 
 
 def answer_to(
@@ -121,13 +115,13 @@ def answer_to(
     caused = [
         each.id
         for each in trajectory.orders
-        if each.tick == episode.begun and name_of(each) == "casualty"
+        if each.tick == episode.begun and name_of(each.text) == "casualty"
     ]
     for each in crew_orders(trajectory):
         # at the tick itself only what was ordered after the casualty, in a freeze
         later = each.tick > episode.begun
         later = later or (each.tick == episode.begun and bool(caused) and each.id > caused[-1])
-        if later and (names is None or name_of(each) in names):
+        if later and (names is None or name_of(each.text) in names):
             return each
     return None
 

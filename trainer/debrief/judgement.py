@@ -16,12 +16,12 @@ from trainer.boat.depths import lowest_depth
 from trainer.boat.limits import BEYOND
 from trainer.config.derived import Loss
 from trainer.config.score_rules import Rule
-from trainer.debrief.episodes import name_of
 from trainer.debrief.groundings import groundings
 from trainer.debrief.measures import limits_of, rows_beyond
 from trainer.debrief.scoring import Scorecard, Scored, Verdict, score
 from trainer.debrief.ships_met import meet
 from trainer.debrief.trajectory import Rows, Trajectory, stretches
+from trainer.io.orders.grammar import name_of
 from trainer.io.recording.facts import GiverKind
 from trainer.report.svg import clock
 from trainer.session.plan import Plan
@@ -144,7 +144,7 @@ def _free(trajectory: Trajectory) -> str:
     for each in trajectory.orders:
         if each.accepted is False or each.giver.kind is GiverKind.SCHEDULE:
             continue
-        if name_of(each) in FREEING:
+        if name_of(each.text) in FREEING:
             seconds = each.tick * trajectory.boat.method.step
             return f"{each.text} at {clock(seconds)}, by {each.who}"
     return ""

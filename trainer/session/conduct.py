@@ -196,6 +196,7 @@ class Conduct:
         told = [Fact("exercise-over", ending.how)]
         if ending.marks and (ending.released or role is INSTRUCTOR):
             told.append(Fact("marks", ending.marks.fields))
+            told += map(reason_fact, ending.marks.reasons)
         elif self._unmarked:
             told.append(Fact("marks", f"{ending.how},"))
         if ending.debrief and role is INSTRUCTOR:
@@ -283,9 +284,10 @@ class Conduct:
         self.ending.marks = found
         self.log.tell("exercise", f"marks: {found}", fact=Fact("marks", found.fields))
         change = f'  to change a mark: trainer debrief {self.kept} --change "NAME: WHAT, REASON"'
-        uncounted = [f"  {name}: does not count" for name in found.uncounted]
-        for text in (*(f"  {reason}" for reason in found.reasons), *uncounted, change):
-            self.log.tell("exercise", text)
+        uncounted = [f"{name}: does not count" for name in found.uncounted]
+        for reason in (*found.reasons, *uncounted):
+            self.log.tell("exercise", f"  {reason}", fact=reason_fact(reason))
+        self.log.tell("exercise", change)
 
     def _end(self, asked: Asked) -> Reply:
         boat = self.control.boat
@@ -303,7 +305,7 @@ class Conduct:
         fact = Fact("marks", ending.marks.fields)
         self.log.tell("marks", f"marks: {ending.marks}", fact=fact)
         for reason in ending.marks.reasons:
-            self.log.tell("marks", f"  {reason}")
+            self.log.tell("marks", f"  {reason}", fact=reason_fact(reason))
         return "everybody has the marks"
 
     def _debrief(self, _asked: Asked) -> Reply:
@@ -381,3 +383,8 @@ class Conduct:
         """Return the others that came and said who they are."""
         there = [each for each in self.log.stations if each.visits and each.settled]
         return [each for each in there if each is not station and not each.line.ended]
+
+
+def reason_fact(reason: str) -> Fact:
+    """Return a reason of the marks as programs are told it."""
+    return Fact("marks-reason", reason)

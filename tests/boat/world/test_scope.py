@@ -310,7 +310,9 @@ def flown(boat: Boat, ticks: int, orders: dict[int, str], marks: dict[int, str])
         zip(names, np.array(rows).T, strict=True)
     )
     none = np.full(count, np.nan)
-    noted = tuple(Noted(1, tick, "mark", "scope", text, "", "scope") for tick, text in marks.items())
+    noted = tuple(
+        Noted(1, tick, "mark", "scope", text, "", "scope") for tick, text in marks.items()
+    )
     return Trajectory(boat, Limits(), (), np.arange(count), columns, none, none, noted)
 
 

@@ -169,6 +169,12 @@ def parse(line: str) -> Order | BadOrder | None:
         return BadOrder(printable(text), str(refused))
 
 
+def name_of(text: str) -> str:
+    """Return the name of the order that words are, "" for none of this version."""
+    understood_as = parse(text)
+    return understood_as.name if isinstance(understood_as, Order) else ""
+
+
 def planned(said: re.Match[str]) -> Order:
     """Return the order that plans another; refuses what is none, or cannot be planned."""
     inner = parse(said["order"])

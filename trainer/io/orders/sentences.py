@@ -42,6 +42,7 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "branch": "number, parent, begun and last [s], and why it began; all before that to `branches`",
     "exercise-over": "how it ended: lost, or ended; time stands still, the session goes on",
     "marks": "outcome and total [%]; to the instructor first, to all once they are released",
+    "marks-reason": "a reason of the marks that were told last; one of each",
     "debrief": "the file that was written",
     "debrief-page": "its address at the pages' server, told to a page where the file is there",
     "next": "the next exercise begins here, its file for the instructor; connect again",
