@@ -22,7 +22,7 @@ from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_crew
 from trainer.io.orders.quantities import FEET, METRES
 from trainer.session.manning import BY_HAND, CONCERNED, WORDS, axis_of, in_hand
 from trainer.session.stations.roles import INSTRUCTOR
-from trainer.session.stations.station import Fact
+from trainer.session.stations.station import Fact, Saying
 
 LATE: Final = 10.0  # [s] without a repeat, after which the order is shown again
 SCHEDULE: Final = "schedule"  # who gives the orders of the exercise
@@ -43,6 +43,7 @@ class Telling(NamedTuple):
     kind: str
     text: str
     fact: Fact
+    saying: Saying | None = None
 
 
 class Watched(NamedTuple):
@@ -190,7 +191,8 @@ class CrewTalk:
         self._look_ahead()
         by = "" if role == SCHEDULE else f"{role}: "
         words = f"to the crew: {order.subject}" if axis == WORDS else f"ordered: {told}"
-        return [Telling("crew", f"{by}{words}", Fact("crew-order", told))]
+        saying = Saying("schedule" if role == SCHEDULE else role, words)
+        return [Telling("crew", f"{by}{words}", Fact("crew-order", told), saying)]
 
     def _belayed(self, order: Order) -> list[Telling]:
         axis = order.word.removeprefix("clear_")
@@ -218,7 +220,8 @@ class CrewTalk:
         if right:
             self._spoken[spoken.axis] = replace(spoken, repeated=True)
             self._look_ahead()
-            return [Telling("crew", f"{role}: {spoken.says} aye", Fact("repeated", spoken.told))]
+            saying = Saying(role, f"{spoken.says} aye")
+            return [Telling("crew", ": ".join(saying), Fact("repeated", spoken.told), saying)]
         told = f"{order.subject}; {spoken.told}"
         text = f"WRONG REPEAT: {role} says {order.subject}; ordered is {spoken.says}"
         return [Telling("crew", text, Fact("wrong-repeat", told))]
