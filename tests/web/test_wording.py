@@ -109,7 +109,7 @@ READ: Final = (  # an order as it is told, which the pages are to read as the se
     *("at 600 s casualty rudder-stuck", "in 90 s depth 80", "when depth > 60 then bell stop"),
     *("casualty stern-stuck", "clear all", "snapshot before", "branch 2", "replay 90 s"),
     *("release marks", "take command", "take over", "course 045", "run"),
-    *("freeze", "hold depth", "mark here", "order course 045", "tell rig for red", "again"),
+    *("freeze", "freeze depth", "mark here", "order course 045", "tell rig for red", "again"),
 )
 
 
@@ -204,7 +204,7 @@ def test_a_page_decides_the_same_when_every_text_of_the_session_is_reworded(
 
     for page in pages:
         page.keyboard.press("Escape")
-        page.locator("#offers button", has_text="stern-jam").first.click()
+        page.locator("#offers button", has_text="stern-hard-over").first.click()
         expect(page.locator("#chosen")).to_be_visible()
     same(pages, "side", plain.evaluate(SEEN)["side"])
     same(pages, "severity", plain.evaluate(SEEN)["severity"])
