@@ -8,9 +8,9 @@ from typing import Final
 
 from trainer.io.orders.table import FORMS, SETS, Form, heading_word, spellings
 from trainer.session.dispatch import ORDERS, Rule
-from trainer.session.manning import CONCERNED, CREW, WORDS
+from trainer.session.manning import CONCERNED, WORDS
 from trainer.session.stations.past import ANEW
-from trainer.session.stations.roles import roles_with
+from trainer.session.stations.roles import CREW, roles_with
 from trainer.web.pages import ASSETS, name_of
 
 PAGE: Final = ASSETS / "js" / "model" / "order-table.js"
