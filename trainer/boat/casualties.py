@@ -172,7 +172,10 @@ def describe(boat: Boat, kind: str, amount: float) -> str:
 
 
 def size_of(boat: Boat, kind: str, amount: float) -> Size | None:
-    """Return an amount [SI] of a casualty as people count it, None where they do not."""
+    """Return an amount [SI] of a casualty as people count it.
+
+    None where they do not count it.
+    """
     what, _, how = kind.rpartition("-")
     surface = kind.partition("-")[0]
     if surface in SURFACES and kind.endswith(("-hard-over", "-stuck")):

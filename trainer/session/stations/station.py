@@ -53,7 +53,7 @@ class Fact(NamedTuple):
 
 
 class Saying(NamedTuple):
-    """Who has said or done something, a role or ``schedule``, and the words without the speaker."""
+    """Who has said or done something, a role or ``schedule``, and its words alone."""
 
     speaker: str
     words: str
