@@ -128,7 +128,7 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
         )
         talk.say(sentences.event(130, 65.0, "marks", "in other words"))
         talk.say(sentences.fact(130, 65.0, "marks", "lost,12.0"))
-        talk.say(sentences.fact(130, 65.0, "marks-reason", "too deep for 20 s"))
+        talk.say(sentences.fact(130, 65.0, "reason", ",too deep for 20 s"))
         for text in ("lost, 12 marks of 100", "too deep for 20 s"):
             await seen(pilot, app, text)
 
@@ -256,7 +256,7 @@ def test_the_briefing_has_no_old_marks_once_the_exercise_is_flown_again(role: st
     for again in (sentences.fact(0, 0.0, "back", "again"), ""):
         talk.tick(130)
         marks = sentences.fact(130, 65.0, "marks", "won,92.0")
-        talk.say(over, marks, sentences.fact(130, 65.0, "marks-reason", "Depth: 92"))
+        talk.say(over, marks, sentences.fact(130, 65.0, "reason", ",Depth: 92"))
         model.hear()
         assert "marks" in plain(briefing_rows(model)).lower()
         if again:

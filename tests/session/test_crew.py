@@ -69,12 +69,11 @@ class Crew:
         return next(each.fields[1] for each in reversed(found) if each and each.kind == "TRA")
 
     def facts(self, role: str) -> list[str]:
-        """Return the facts that a program has been told, and forget them."""
+        """Return the facts that a program has been told, but who spoke, and forget them."""
         found = [sentences.read(line) for line in self.lines[role].sent]
         self.lines[role].sent.clear()
-        return [
-            f"{each.fields[2]}: {each.fields[3]}" for each in found if each and each.kind == "TRF"
-        ]
+        facts = [each.fields[2:] for each in found if each and each.kind == "TRF"]
+        return [f"{what}: {subject}" for what, subject in facts if what != "said"]
 
     def fly(self, seconds: float) -> "Crew":
         for _ in range(round(seconds / 0.5)):

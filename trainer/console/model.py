@@ -363,7 +363,7 @@ class SessionModel:
             self._remember(seconds, subject)
         elif what in CrewOrders.FACTS:
             self._order_crew(seconds, what, subject)
-        elif what in ("exercise", "exercise-over", "marks", "marks-reason"):
+        elif what in ("exercise", "exercise-over", "marks", "reason"):
             self._brief(seconds, what, subject)
         else:
             self._list(seconds, what, subject)
@@ -405,8 +405,9 @@ class SessionModel:
             self.endings += 1
         elif what == "marks":
             self.marks_told = [marks_in_words(subject)]
-        elif what == "marks-reason":
-            self.marks_told += [subject] if subject not in self.marks_told else []
+        elif what == "reason":  # its time [s] comes first
+            reason = subject.partition(",")[2]
+            self.marks_told += [reason] if reason not in self.marks_told else []
         elif equals:
             if key == "title" and value != self.exercise.get("title"):
                 self._forget_exercise()

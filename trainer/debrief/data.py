@@ -357,7 +357,7 @@ def figures(debrief: DebriefData) -> dict[str, Any]:
         "total": debrief.total,
         "deviation": deviation_of(debrief),
         "verdict": debrief.card.verdict and asdict(debrief.card.verdict),
-        "cost_most": [asdict(each) for each in debrief.costs],
+        "cost_most": [{"marks": each.marks, "told": each.told} for each in debrief.costs],
         **_compared(debrief),
         "changes": [asdict(each) | {"branch": int(each.branch)} for each in debrief.changes],
         "changed": debrief.changed and _card(debrief.changed, step),

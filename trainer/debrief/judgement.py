@@ -267,6 +267,7 @@ class Cost:
 
     marks: float  # [%] of the total
     told: str
+    tick: int | None = None  # where in the record
 
 
 def worth(each: Scored) -> float | None:
@@ -289,7 +290,7 @@ def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[Cost]:
         share = share_of(each, card)
         if each.marks is not None and share and lost > 0.0:
             told = _sentence(each, best.get(each.name), share * lost)
-            yield Cost(share * lost, told)
+            yield Cost(share * lost, told, each.attained.tick)
 
 
 def _by_gate(card: Scorecard) -> Iterator[Cost]:

@@ -31,7 +31,7 @@ from trainer.io.recording.facts import (
 )
 from trainer.session.manning import BY_HAND, CONCERNED, WORDS, axis_of, in_hand
 from trainer.session.stations.roles import INSTRUCTOR
-from trainer.session.stations.station import Fact
+from trainer.session.stations.station import Fact, Saying
 
 LATE: Final = 10.0  # [s] without a repeat, after which the order is shown again
 AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
@@ -50,6 +50,7 @@ class Telling(NamedTuple):
     kind: str
     text: str
     fact: Fact
+    saying: Saying | None = None
 
 
 class Watched(NamedTuple):
@@ -208,7 +209,8 @@ class CrewTalk:
         self._look_ahead()
         by = "" if role == SCHEDULE.role else f"{role}: "
         words = f"to the crew: {order.subject}" if axis == WORDS else f"ordered: {told}"
-        return [Telling("crew", f"{by}{words}", Fact("crew-order", told))]
+        saying = Saying("schedule" if role == SCHEDULE else role, words)
+        return [Telling("crew", f"{by}{words}", Fact("crew-order", told), saying)]
 
     def _belayed(self, order: Order) -> list[Telling]:
         axis = order.word.removeprefix("clear_")
@@ -236,7 +238,8 @@ class CrewTalk:
         if right:
             self._spoken[spoken.axis] = replace(spoken, repeated=True)
             self._look_ahead()
-            return [Telling("crew", f"{role}: {spoken.says} aye", Fact("repeated", spoken.told))]
+            saying = Saying(role, f"{spoken.says} aye")
+            return [Telling("crew", ": ".join(saying), Fact("repeated", spoken.told), saying)]
         told = f"{order.subject}; {spoken.told}"
         text = f"WRONG REPEAT: {role} says {order.subject}; ordered is {spoken.says}"
         return [Telling("crew", text, Fact("wrong-repeat", told))]

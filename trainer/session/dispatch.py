@@ -46,7 +46,7 @@ from trainer.session.event_log import CREW
 from trainer.session.manning import unheard
 from trainer.session.parts import Parts
 from trainer.session.stations.roles import INSTRUCTOR, ROLES, roles_with
-from trainer.session.stations.station import Asked, Duty, Fact, Lines, Station
+from trainer.session.stations.station import Asked, Duty, Fact, Lines, Saying, Station
 
 Gate = Callable[[Order, Station | None, Parts], str]
 
@@ -259,7 +259,7 @@ class Dispatch:
         """Tell what was said. Who has said it has an answer in place of the text."""
         for telling in tellings:
             by = speaker if telling.kind == CREW else None
-            self.session.event_log.tell(telling.kind, telling.text, by, telling.fact)
+            self.session.event_log.tell(*telling[:2], by, telling.fact, telling.saying)
 
     def obey_watch(self) -> None:
         """Carry out what this tick calls for from those on watch, the guard among them."""
@@ -343,7 +343,8 @@ class Dispatch:
         text = f"{when}: {wrong or answer}"
         if wrong or ORDERS[order.name].obeyer is not Obeyer.CREW:
             fact = None if wrong else Fact("order", order.text)
-            self.session.event_log.tell("exercise", text, fact=fact)
+            saying = Saying("schedule", wrong or str(answer))
+            self.session.event_log.tell("exercise", text, fact=fact, saying=saying)
         return text
 
 

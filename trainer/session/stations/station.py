@@ -54,6 +54,13 @@ class Fact(NamedTuple):
     subject: str = ""
 
 
+class Saying(NamedTuple):
+    """Who has said or done something, a role or ``schedule``, and its words alone."""
+
+    speaker: str
+    words: str
+
+
 class News(NamedTuple):
     """Something that happened; ``kind`` is one of roles.KINDS, and decides who is told."""
 
@@ -62,6 +69,7 @@ class News(NamedTuple):
     kind: str
     text: str  # for people
     fact: Fact | None = None  # for programs
+    saying: Saying | None = None  # for programs, which show the speaker beside the words
 
 
 @dataclass(frozen=True)
@@ -205,7 +213,12 @@ class Station:
         if not (self.wishes.events and hears(self.role, news.kind)):
             return
         self.note(news)
-        self.line.send(sentences.event(*news[:4]) if self._machine else news.text)
+        if not self._machine:
+            self.line.send(news.text)
+            return
+        if news.saying:
+            self.note(news._replace(fact=Fact("said", ",".join(news.saying))))
+        self.line.send(sentences.event(*news[:4]))
 
     def note(self, news: News) -> None:
         """Tell a program the fact of the news, if there is one."""
