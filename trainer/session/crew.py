@@ -209,7 +209,7 @@ class CrewTalk:
         self._look_ahead()
         by = "" if role == SCHEDULE.role else f"{role}: "
         words = f"to the crew: {order.subject}" if axis == WORDS else f"ordered: {told}"
-        saying = Saying("schedule" if role == SCHEDULE else role, words)
+        saying = Saying("schedule" if role == SCHEDULE.role else role, words)
         return [Telling("crew", f"{by}{words}", Fact("crew-order", told), saying)]
 
     def _belayed(self, order: Order) -> list[Telling]:
