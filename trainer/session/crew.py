@@ -164,7 +164,7 @@ class CrewTalk:
         return ordered_fact(self.boat, order)
 
     def note(self, order: Order, giver: Giver, tick: int, fact: CrewFact) -> list[Telling]:
-        """Note what was said, and the fact that it is; return what there is to tell."""
+        """Note what was said, with its fact; return what there is to tell."""
         role = giver.role
         if order.name in WATER and giver != SCHEDULE:  # what that does is nobody's to report
             self.pumps.note(self.boat, order, role)

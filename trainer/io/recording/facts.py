@@ -43,7 +43,7 @@ class CrewNews(Enum):
 
 
 class CrewFact(NamedTuple):
-    """What an order said to the crew, and the order to the crew that it is about."""
+    """What an order said to the crew, and of which order to it."""
 
     news: CrewNews = CrewNews.NOTHING
     order: str = ""  # as the crew is told it
