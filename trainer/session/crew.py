@@ -154,7 +154,7 @@ class CrewTalk:
         return clear if isinstance(clear, Order) else order
 
     def fact_of(self, order: Order, role: str) -> CrewFact:
-        """Return what an order that has just been obeyed says to the crew, or of it."""
+        """Return what an order just obeyed says to the crew, or of it."""
         if order.name == "aye":
             repeat = self._find(order.subject, role)
             if isinstance(repeat, Refused):
