@@ -40,7 +40,10 @@ class Units(NamedTuple):
 
 
 class System(NamedTuple):
-    """A ship as the kernels take it; the length of ``driven`` is known to the compiler."""
+    """A ship as the kernels take it.
+
+    The length of ``driven`` is known to the compiler.
+    """
 
     ship: Numbers
     terms: Terms  # their places and rows

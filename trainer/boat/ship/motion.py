@@ -92,10 +92,10 @@ def set_derivative(driven: Driven, x: Numbers, rates: Numbers, out: Numbers) -> 
 def advance(
     system: System, x: Numbers, c: Numbers, rudder: float, h: float, room: MotionRoom
 ) -> bool:
-    """Return whether it is still a ship, after advancing it by ``h`` [s] by Runge and Kutta.
+    """Advance a state by ``h`` [s]; return whether it is still a ship.
 
-    The rudder goes to ``rudder`` [rad] meanwhile. ``c`` are the inputs as they are, and become
-    those at the end; the last two are the wind.
+    It is by Runge and Kutta. The rudder goes to ``rudder`` [rad] meanwhile. ``c`` are the inputs
+    as they are, and become those at the end; the last two are the wind.
     """
     stage, rate, total = room.stage, room.rate, room.total
     before, states = c[RUDDER], states_of(system.driven)

@@ -27,6 +27,9 @@ from trainer.identify.kernels.sampling import Complexes
 Places = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
+COUNTED, MISSING, REJECTED, SINGULAR = 0.0, 1.0, 2.0, 3.0  # flags of samples
+SETTLED = 1e-26  # [-] square of the relative change of P, below which P is taken as constant
+
 
 class SampledSystem(NamedTuple):
     """Systems from sample to sample, and their start; or the slopes of these."""
@@ -45,15 +48,11 @@ class Predictor(NamedTuple):
 
 
 class FilterRun(NamedTuple):
-    """What is shown of each sample: a row, P (n, x, x) and R (n, y, y)."""
+    """What is shown of each sample."""
 
-    rows: Entries
-    covariances: Entries
-    spreads: Entries
-
-
-COUNTED, MISSING, REJECTED, SINGULAR = 0.0, 1.0, 2.0, 3.0  # flags of samples
-SETTLED = 1e-26  # [-] square of the relative change of P, below which P is taken as constant
+    rows: Entries  # state, prediction, error, error' R^-1 error, flag
+    covariances: Entries  # P (n, x, x)
+    spreads: Entries  # R (n, y, y)
 
 
 @part
