@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.givers import journalled
 from helpers.places import ROOT
 
 from trainer.analysis.exercise_page import (
@@ -32,10 +33,11 @@ from trainer.config.reference_crew import Crew, read_crew
 from trainer.core.cache import core_digest
 from trainer.debrief.data import gather
 from trainer.debrief.judgement import judge, plain_marks
-from trainer.debrief.rehearsal import CREW, Rehearsal, fly
+from trainer.debrief.rehearsal import Rehearsal, fly
 from trainer.debrief.scoring import Scorecard
 from trainer.io.orders.grammar import Refused
-from trainer.io.recording.recording import Journalled, Recording
+from trainer.io.recording.facts import REFERENCE_CREW, SCHEDULE
+from trainer.io.recording.recording import Recording
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import run_boat
@@ -277,12 +279,12 @@ def test_a_limit_broken_for_less_than_two_seconds_costs_nothing(tmp_path: Path) 
 def test_a_run_that_the_instructor_made_free_has_no_marks(tmp_path: Path, text: str) -> None:
     plan = planned(drill(tmp_path, DIVE))
     went = fly(plan, plan.crew).trajectory
-    by_hand = Journalled(99, 1, 40, "instructor at console", text, None, True, "")  # noqa: FBT003
+    by_hand = journalled(99, 40, "instructor at console", text)
     card = judge(replace(went, orders=(*went.orders, by_hand)), plan, {})
     assert (card.total, outcome(card)) == (None, "free")
     assert card.verdict
     assert card.verdict.reason == f"{text} at 0:20, by instructor at console"
-    of_the_exercise = replace(by_hand, who="schedule")
+    of_the_exercise = replace(by_hand, giver=SCHEDULE)
     assert judge(replace(went, orders=(*went.orders, of_the_exercise)), plan, {}).total == 100.0
 
 
@@ -349,7 +351,9 @@ def test_marks_are_the_same_to_the_bit_when_flown_again() -> None:
 
 
 def test_a_recorded_run_has_the_marks_of_its_rehearsal(tmp_path: Path) -> None:
-    orders = [each for each in by_crew("depth-changes").trajectory.orders if each.who == CREW]
+    orders = [
+        each for each in by_crew("depth-changes").trajectory.orders if each.giver == REFERENCE_CREW
+    ]
     lines = [f"{each.tick * 0.5:g} {each.text}" for each in orders if "man o" not in each.text]
     (tmp_path / "crew.orders").write_text("\n".join(lines) + "\n")
     record = tmp_path / "it.trainer"
@@ -398,7 +402,7 @@ def test_a_rule_waits_for_the_one_above_and_its_own_time() -> None:
     }
     plan = replace(planned("depth-changes"), duration=20.0)
     went = fly(plan, read_crew(table, Place("test", ""))).trajectory
-    given = [(each.tick * 0.5, each.text) for each in went.orders if each.who == CREW]
+    given = [(each.tick * 0.5, each.text) for each in went.orders if each.giver == REFERENCE_CREW]
     assert given == [
         (2.5, "pump depth-control 1 t"),
         (5.0, "rudder left 5"),

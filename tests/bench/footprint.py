@@ -34,10 +34,8 @@ from trainer.core.autopilot.reference import COURSE, DEPTH, move_reference
 from trainer.core.autopilot.speed import follow_trim, learnt
 from trainer.core.autopilot.steering import (
     BOW,
-    PLANE_COUNT,
     RUDDER,
-    RUDDER_GAINS,
-    STERN,
+    first_gain,
     scheduled_gains,
     steer,
 )
@@ -49,7 +47,7 @@ from trainer.core.noise import SEA_FILTER, gaussian
 from trainer.core.sea.filter_1969 import filter_noise
 from trainer.core.state import STATE
 from trainer.core.terms import EXTRA_TERMS
-from trainer.core.vessel import COMPACT
+from trainer.core.vessel import COMPACT, COURSE_INTEGRAL_GAIN, INTEGRAL_GAIN
 
 CPUS: Final = ("x86-64-v3", "x86-64-v4")
 WORDS_1969: Final = {"update": 1253, "tick": 2632}  # [16-bit words] program and constants
@@ -243,11 +241,11 @@ def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: An
     for surface in range(BOW + 1):
         if surface == RUDDER:
             law = course_law(now, gains)
-            step = h * gains[RUDDER_GAINS + 3] * (s.psi_reference - s.psi)
+            step = h * gains[COURSE_INTEGRAL_GAIN] * (s.psi_reference - s.psi)
         else:
-            first = PLANE_COUNT * (surface - STERN)
+            first = first_gain(surface)
             law = plane_law(now, gains, first)
-            step = h * gains[first + 4] * depth_error(gains, now)
+            step = h * gains[first + INTEGRAL_GAIN] * depth_error(gains, now)
         steer(boat, now, surface, law, step)
     follow_trim(boat, h, now)
     s.speed_trim = learnt(boat, h, now)

@@ -66,8 +66,8 @@ static void take_attitude(struct angles to, struct state *s)
     s->psi = to.psi;
     for (int back = 0; back < PAST; back++) {
         s->past_motion[back][PHI] += jump_phi;
-        s->past_motion[back][PHI + 1] += jump_theta;
-        s->past_motion[back][PHI + 2] += jump_psi;
+        s->past_motion[back][THETA] += jump_theta;
+        s->past_motion[back][PSI] += jump_psi;
     }
 }
 

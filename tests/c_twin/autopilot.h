@@ -16,18 +16,20 @@ static double slewed_rate(double distance, double rate, double fastest, double g
 
 static double leash(const double *gains, int slew)
 {
-    if (gains[slew + 1] > 0.0)
-        return LEASH * gains[slew] * gains[slew] / gains[slew + 1];
+    double rate = gains[slew + SLEW_RATE], acceleration = gains[slew + SLEW_ACCELERATION];
+    if (acceleration > 0.0)
+        return LEASH * rate * rate / acceleration;
     return 0.0;
 }
 
 static void move_reference(
     int axis, double here, double h, const double *gains, struct state *s)
 {
-    int slew = DEPTH_SLEW + 2 * axis;
+    int slew = DEPTH_SLEW + SLEW_COUNT * axis;
     double distance = s->ordered_place[axis] - s->reference[axis];
     s->reference_rate[axis] = slewed_rate(
-        distance, s->reference_rate[axis], gains[slew], gains[slew + 1], h);
+        distance, s->reference_rate[axis], gains[slew + SLEW_RATE],
+        gains[slew + SLEW_ACCELERATION], h);
     double moved = s->reference[axis] + h * s->reference_rate[axis];
     s->reference[axis] = within(moved, here, leash(gains, slew));
 }
@@ -36,7 +38,8 @@ static void follow_boat(
     int axis, double here, double rate, const double *gains, struct state *s)
 {
     s->reference[axis] = here;
-    s->reference_rate[axis] = within(rate, 0.0, gains[DEPTH_SLEW + 2 * axis]);
+    double fastest = gains[DEPTH_SLEW + SLEW_COUNT * axis + SLEW_RATE];
+    s->reference_rate[axis] = within(rate, 0.0, fastest);
 }
 
 static void slew_depth(double h, const double *gains, struct state *s)
@@ -71,17 +74,17 @@ static void scheduled_gains(const struct vessel *c, double u, double *gains)
 static double plane_law(const struct state *s, const double *gains, int first)
 {
     double pitch_wanted = -s->depth_reference_rate / most(s->u, SLOWEST);
-    return gains[first] * (s->depth_reference - s->z)
-        + gains[first + 1] * (s->depth_reference_rate - s->zdot)
-        + gains[first + 2] * (s->theta - pitch_wanted)
-        + gains[first + 3] * s->q;
+    return gains[first + DEPTH_GAIN] * (s->depth_reference - s->z)
+        + gains[first + DEPTH_RATE_GAIN] * (s->depth_reference_rate - s->zdot)
+        + gains[first + PITCH_GAIN] * (s->theta - pitch_wanted)
+        + gains[first + PITCH_RATE_GAIN] * s->q;
 }
 
 static double course_law(const struct state *s, const double *gains)
 {
-    return gains[RUDDER_GAINS] * (s->psi_reference - s->psi)
-        + gains[RUDDER_GAINS + 1] * (s->psi_reference_rate - s->r)
-        + gains[RUDDER_GAINS + 2] * s->v;
+    return gains[COURSE_GAIN] * (s->psi_reference - s->psi)
+        + gains[YAW_RATE_GAIN] * (s->psi_reference_rate - s->r)
+        + gains[SWAY_GAIN] * s->v;
 }
 
 static void stand_by(struct state *s, int surface, double law, int settled)
@@ -111,8 +114,8 @@ static void fade(const struct vessel *c, double h, struct state *s)
 
 static int is_level(const double *gains, const struct state *s)
 {
-    double pitch_rate = SETTLED * gains[DEPTH_SLEW + 1] / most(s->u, SLOWEST);
-    return fabs(s->zdot) < SETTLED * gains[DEPTH_SLEW] && fabs(s->q) < pitch_rate;
+    double pitch_rate = SETTLED * gains[DEPTH_SLEW + SLEW_ACCELERATION] / most(s->u, SLOWEST);
+    return fabs(s->zdot) < SETTLED * gains[DEPTH_SLEW + SLEW_RATE] && fabs(s->q) < pitch_rate;
 }
 
 static double depth_error(const double *gains, const struct state *s)
@@ -120,9 +123,9 @@ static double depth_error(const double *gains, const struct state *s)
     double error = s->depth_reference - s->z;
     int learning;
     if (fabs(error) > FAR * leash(gains, DEPTH_SLEW))
-        learning = fabs(s->zdot) < FAR * gains[DEPTH_SLEW];
+        learning = fabs(s->zdot) < FAR * gains[DEPTH_SLEW + SLEW_RATE];
     else
-        learning = fabs(s->depth_reference_rate) < SETTLED * gains[DEPTH_SLEW];
+        learning = fabs(s->depth_reference_rate) < SETTLED * gains[DEPTH_SLEW + SLEW_RATE];
     return learning ? error : 0.0;
 }
 
@@ -172,7 +175,7 @@ static double frequency_met(const struct state *s)
 
 static double frequency_ratio(const struct vessel *c, const double *gains, const struct state *s)
 {
-    double pace = fabs(c->M_ds) * s->u * s->u * fabs(gains[3]) / (c->I_y - c->M_qdot);
+    double pace = fabs(c->M_ds) * s->u * s->u * fabs(gains[STERN_GAINS + PITCH_RATE_GAIN]) / (c->I_y - c->M_qdot);
     return frequency_met(s) / most(pace, 1e-6);
 }
 
@@ -210,13 +213,13 @@ static struct section low_pass(double omega, double h, double damping)
 static double past(struct section it, double x, int fresh, double *kept)
 {
     if (fresh) {
-        kept[0] = (1.0 - it.b0) * x;
-        kept[1] = (it.b2 - it.a2) * x;
+        kept[EARLY] = (1.0 - it.b0) * x;
+        kept[LATE] = (it.b2 - it.a2) * x;
     }
-    double y = it.b0 * x + kept[0];
-    kept[0] = it.b1 * x - it.a1 * y + kept[1];
-    kept[1] = it.b2 * x - it.a2 * y;
-    kept[2] = y;
+    double y = it.b0 * x + kept[EARLY];
+    kept[EARLY] = it.b1 * x - it.a1 * y + kept[LATE];
+    kept[LATE] = it.b2 * x - it.a2 * y;
+    kept[OUTPUT] = y;
     return y;
 }
 
@@ -226,10 +229,10 @@ static double law_in_waves(
 {
     if (s->wave_share == 0.0)
         return law;
-    int first = PLANE_COUNT * (surface - STERN), fresh = s->wave_share <= h / FADE;
+    int first = STERN_GAINS + PLANE_COUNT * (surface - STERN), fresh = s->wave_share <= h / FADE;
     double *kept = s->notch + NOTCHES * (surface - STERN);
     double ratio = frequency_ratio(c, gains, s);
-    double damping = gains[first + 3] * s->q;
+    double damping = gains[first + PITCH_RATE_GAIN] * s->q;
     double x = between_limits(ratio, SOFT) * (law - damping)
         + between_limits(ratio, DAMPED) * damping;
     double omega = frequency_met(s);
@@ -249,11 +252,11 @@ static double learning_in_waves(
 
 static double law_astern(const struct state *s, const double *gains, int surface)
 {
-    int first = PLANE_COUNT * (surface - STERN);
+    int first = STERN_GAINS + PLANE_COUNT * (surface - STERN);
     if (surface == STERN)
-        return -gains[first + 2] * s->theta - gains[first + 3] * s->q;
-    double depth = gains[first] * (s->depth_reference - s->z);
-    return -depth - gains[first + 1] * (s->depth_reference_rate - s->zdot);
+        return -gains[first + PITCH_GAIN] * s->theta - gains[first + PITCH_RATE_GAIN] * s->q;
+    double depth = gains[first + DEPTH_GAIN] * (s->depth_reference - s->z);
+    return -depth - gains[first + DEPTH_RATE_GAIN] * (s->depth_reference_rate - s->zdot);
 }
 
 static void go_astern(
@@ -268,7 +271,7 @@ static void keep_plane(
     const struct vessel *c, double h, const double *gains, struct state *s, int surface,
     double lasting)
 {
-    int first = PLANE_COUNT * (surface - STERN);
+    int first = STERN_GAINS + PLANE_COUNT * (surface - STERN);
     double law = law_in_waves(c, h, gains, s, surface, plane_law(s, gains, first));
     if (s->by_hand[surface] != 0.0) {
         s->command[surface] = s->ordered[surface];
@@ -277,9 +280,9 @@ static void keep_plane(
         go_astern(c, gains, s, surface);
         stand_by(s, surface, law, 0);
     } else {
-        double step = h * gains[first + 4] * depth_error(gains, s);
+        double step = h * gains[first + INTEGRAL_GAIN] * depth_error(gains, s);
         step *= learning_in_waves(c, gains, s);
-        steer(c, s, surface, law, step + h * gains[first + 5] * lasting);
+        steer(c, s, surface, law, step + h * gains[first + RELIEF_GAIN] * lasting);
     }
 }
 
@@ -300,7 +303,7 @@ static void keep_depth(const struct vessel *c, double h, const double *gains, st
 
 static int is_blown(const struct state *s)
 {
-    return s->blow[0] == EMERGENCY || s->blow[1] == EMERGENCY || s->blow[2] == EMERGENCY;
+    return s->blow_forward == EMERGENCY || s->blow_mid == EMERGENCY || s->blow_aft == EMERGENCY;
 }
 
 static void watch_blow(const struct vessel *c, struct state *s)
@@ -327,14 +330,14 @@ static void hold_bubble(const struct vessel *c, double h, const double *gains, s
     if (is_blown(s))
         wanted = BUBBLE + MORE * clamped((s->u - FAST[0]) / (FAST[1] - FAST[0]), 0.0, 1.0);
     s->ascent_pitch += clamped(wanted - s->ascent_pitch, -TAKEN_UP * h, TAKEN_UP * h);
-    double angle = most(STIFF, fabs(gains[2])) * (s->theta - s->ascent_pitch);
-    angle += most(DAMPED_BUBBLE, fabs(gains[3])) * s->q;
+    double angle = most(STIFF, fabs(gains[STERN_GAINS + PITCH_GAIN])) * (s->theta - s->ascent_pitch);
+    angle += most(DAMPED_BUBBLE, fabs(gains[STERN_GAINS + PITCH_RATE_GAIN])) * s->q;
     double furthest = least(MOST_STERN, c->limit_s);
     double down = c->M_ds <= 0.0 ? 1.0 : -1.0;
     s->command_s = s->stern_by_hand != 0.0 ? s->ordered_s : within(down * angle, 0.0, furthest);
     s->command_b = s->bow_by_hand != 0.0 ? s->ordered_b : 0.0;
-    if (s->blow[0] == EMERGENCY)
-        s->blow[MAIN - 1] = s->theta > HELD_AFT ? EMERGENCY : 0.0;
+    if (s->blow_forward == EMERGENCY)
+        s->blow_aft = s->theta > HELD_AFT ? EMERGENCY : 0.0;
 }
 
 static void hand_back(const struct vessel *c, double h, struct state *s)
@@ -369,7 +372,7 @@ static int is_hovering(const struct state *s)
 static void keep_planes(const struct vessel *c, double h, const double *gains, struct state *s)
 {
     watch_blow(c, s);
-    double stern_law = plane_law(s, gains, 0), bow_law = plane_law(s, gains, PLANE_COUNT);
+    double stern_law = plane_law(s, gains, STERN_GAINS), bow_law = plane_law(s, gains, STERN_GAINS + PLANE_COUNT);
     if (s->ascent != 0.0) {
         if (s->ascent == RISING) {
             hold_bubble(c, h, gains, s);
@@ -401,7 +404,7 @@ static void keep_course(const struct vessel *c, double h, const double *gains, s
     } else {
         double step = 0.0;
         if (fabs(s->psi_reference_rate) < c->turning_rate)
-            step = h * gains[RUDDER_GAINS + 3] * (s->psi_reference - s->psi);
+            step = h * gains[COURSE_INTEGRAL_GAIN] * (s->psi_reference - s->psi);
         steer(c, s, RUDDER, law, step);
     }
 }
@@ -499,8 +502,8 @@ static void hold_commands(const double *gains, struct state *s)
         if (s->by_hand[surface] != 0.0)
             s->command[surface] = s->ordered[surface];
     stand_by(s, RUDDER, course_law(s, gains), 0);
-    stand_by(s, STERN, plane_law(s, gains, 0), 0);
-    stand_by(s, BOW, plane_law(s, gains, PLANE_COUNT), 0);
+    stand_by(s, STERN, plane_law(s, gains, STERN_GAINS), 0);
+    stand_by(s, BOW, plane_law(s, gains, STERN_GAINS + PLANE_COUNT), 0);
 }
 
 static void autopilot(const struct vessel *c, double h, struct state *s, double *gains)

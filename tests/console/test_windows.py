@@ -126,9 +126,10 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
             app,
             "EXERCISE OVER: lost" if role != "instructor" else "show the marks to the crew",
         )
-        talk.say(sentences.event(130, 65.0, "marks", "marks: lost, 12, +-4 by the sea alone"))
-        talk.say(sentences.event(130, 65.0, "marks", "  too deep for 20 s"))
-        for text in ("lost, 12, +-4 by the sea alone", "too deep for 20 s"):
+        talk.say(sentences.event(130, 65.0, "marks", "in other words"))
+        talk.say(sentences.fact(130, 65.0, "marks", "lost,12.0"))
+        talk.say(sentences.fact(130, 65.0, "reason", ",too deep for 20 s"))
+        for text in ("lost, 12 marks of 100", "too deep for 20 s"):
             await seen(pilot, app, text)
 
     at_the_console(look, talk, role, size)
@@ -168,7 +169,7 @@ def test_the_instructor_is_offered_what_follows_an_exercise(
     async def end(pilot: Pilot[str], app: Console) -> None:
         talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
         await seen(pilot, app, "the marks are being calculated")
-        talk.say(sentences.event(130, 65.0, "exercise", "marks: won, 92"))
+        talk.say(sentences.fact(130, 65.0, "marks", "won,92.0"))
         await seen(pilot, app, "won, 92")
         for letter in key:
             assert len(app.screen_stack) == 2
@@ -254,8 +255,8 @@ def test_the_briefing_has_no_old_marks_once_the_exercise_is_flown_again(role: st
     over = sentences.fact(130, 65.0, "exercise-over", "ended")
     for again in (sentences.fact(0, 0.0, "back", "again"), ""):
         talk.tick(130)
-        marks = sentences.event(130, 65.0, "marks", "marks: won, 92")
-        talk.say(over, marks, sentences.event(130, 65.0, "marks", "  Depth: 92"))
+        marks = sentences.fact(130, 65.0, "marks", "won,92.0")
+        talk.say(over, marks, sentences.fact(130, 65.0, "reason", ",Depth: 92"))
         model.hear()
         assert "marks" in plain(briefing_rows(model)).lower()
         if again:
@@ -544,7 +545,8 @@ def test_what_is_shown_of_an_exercise_that_is_over_goes_when_it_is_flown_again(r
 
     async def again(pilot: Pilot[str], app: Console) -> None:
         talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
-        talk.say(sentences.event(130, 65.0, "marks", "marks: won, 92"))
+        talk.say(sentences.event(130, 65.0, "marks", "in other words"))
+        talk.say(sentences.fact(130, 65.0, "marks", "won,92.0"))
         await seen(pilot, app, "won, 92")
         assert len(app.screen_stack) == 2
         talk.say(sentences.fact(20, 10.0, "back", "again"))

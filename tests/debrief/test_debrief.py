@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.givers import journalled
 from helpers.sessions import session_over
 
 from trainer.analysis.recording_export import export_file
@@ -655,7 +656,8 @@ def test_the_page_shows_what_was_ordered_what_broke_and_what_was_said(page: str)
 def press(
     second: float, text: str, *, who: str = "planes at line 2", taken: bool = True
 ) -> Journalled:
-    return Journalled(0, 1, round(second / 0.5), who, text, None, taken, f"{text}, by hand")
+    answer = f"{text}, by hand"
+    return journalled(0, round(second / 0.5), who, text, answer, accepted=taken)
 
 
 def test_keys_pressed_within_a_second_are_one_line_of_the_log() -> None:

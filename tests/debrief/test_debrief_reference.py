@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.givers import journalled
 from helpers.recorded import PANEL, record
 
 from trainer.config.files import ConfigError
@@ -19,7 +20,7 @@ from trainer.debrief.episodes import read_backs
 from trainer.debrief.judgement import costs
 from trainer.debrief.page import Asked, draw_track, read_compared, render
 from trainer.debrief.reference import behind, can_fly, extremes, first_fault, joined
-from trainer.debrief.rehearsal import CREW
+from trainer.io.recording.facts import REFERENCE_CREW
 from trainer.io.recording.recording import Journalled
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
@@ -52,7 +53,7 @@ def jam(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def mastered(idle: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the recording of a crew that gave the very orders of the reference crew."""
     orders = beside(debriefed(idle)).reference.trajectory.orders
-    own = [each for each in orders if each.who == CREW and "planesman" not in each.text]
+    own = [each for each in orders if each.giver == REFERENCE_CREW and "planesman" not in each.text]
     given = [(each.tick / 2.0, each.text) for each in own]
     path = tmp_path_factory.mktemp("mastered") / "mastered.trainer"
     return record(path, "depth-changes", given)
@@ -199,7 +200,7 @@ def test_the_reference_crew_takes_over_in_time_and_saves_the_boat(jam: Path) -> 
     taken = beside(debrief).from_here
     assert taken
 
-    orders = [each for each in taken.trajectory.orders if each.who == CREW]
+    orders = [each for each in taken.trajectory.orders if each.giver == REFERENCE_CREW]
     assert (orders[0].text, orders[0].tick) == ("bell astern full", 2 * 82)  # 4 s after it sees
     assert taken.trajectory.ticks[0] == 156
     then = debrief.trajectory.columns["z"][156]
@@ -226,7 +227,7 @@ def test_a_run_joined_with_what_follows_has_each_tick_once(jam: Path) -> None:
 def test_what_the_reference_crew_had_done_by_then_is_not_done_again(jam: Path) -> None:
     taken = beside(debriefed(jam, reference_from=300.0)).from_here
     assert taken
-    given = [each.text for each in taken.trajectory.orders if each.who == CREW]
+    given = [each.text for each in taken.trajectory.orders if each.giver == REFERENCE_CREW]
     assert "bell astern full" not in given
     assert any(text.startswith("stern planes") for text in given)  # its planesman is at work
 
@@ -287,7 +288,7 @@ def test_the_track_of_the_reference_run_is_laid_under(idle: Path) -> None:
 
 
 def entry(number: int, second: float, who: str, text: str, answer: str) -> Journalled:
-    return Journalled(number, 1, round(2 * second), who, text, None, bool(number), answer)
+    return journalled(number, round(2 * second), who, text, answer, accepted=bool(number))
 
 
 @pytest.mark.parametrize("repeat", ["stand by", "tell stand by"])  # the second in older files

@@ -27,9 +27,9 @@ COUNTING = "WITH RECURSIVE n(v) AS (SELECT 1 UNION ALL SELECT v + 1 FROM n WHERE
 Run = Callable[..., tuple[int, str, str]]
 CHAINED = (
     "INSERT INTO branches SELECT v + 1, v, 0, 1, 0, 'reset', "
-    "(SELECT state FROM branches WHERE id = 1), '' FROM n"
+    "(SELECT state FROM branches WHERE id = 1), '', 'jump' FROM n"
 )
-NOTED = "INSERT INTO events SELECT v, 1, 3, 'mark', 'helm', 'mark ' || v, '' FROM n"
+NOTED = "INSERT INTO events SELECT v, 1, 3, 'mark', 'helm', 'mark ' || v, '', 'helm' FROM n"
 HELD_UP_S = 250.0  # ten times what such a file held a list up for
 
 

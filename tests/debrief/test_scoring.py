@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.givers import journalled
 from helpers.places import ROOT
 
 from trainer.boat.assemble import Method
@@ -74,7 +75,7 @@ def taken(flown: Trajectory, **keys: Any) -> tuple[float | None, int | None]:
 
 
 def order(number: int, tick: int, text: str, who: str = "diving at panel") -> Journalled:
-    return Journalled(number, 1, tick, who, text, None, True, "")  # noqa: FBT003
+    return journalled(number, tick, who, text)
 
 
 # The measures by hand

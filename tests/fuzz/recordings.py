@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from faults import recordings
+from helpers.givers import HELM
 
 from fuzz.fuzz import Target, folder, shipped_texts, text_of, write_file
 from trainer.analysis.recording_export import table_layout
@@ -79,7 +80,7 @@ def good() -> bytes:
                 boat.tick()
                 recording.state(tick, boat.records.state.tobytes())
                 recording.timing(tick, 1, 2)
-            order = recording.order(tick, "helm", "rudder left 5")
+            order = recording.order(tick, HELM, "rudder left 5")
             recording.answered(order, "rudder left 5, by hand", accepted := branch == 1)
             recording.snapshot("here", Moment(branch, tick, b"", order, 0))
             if accepted:

@@ -6,13 +6,16 @@ from typing import Any
 
 import numpy as np
 
+from helpers.givers import giver_at
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.config.files import remembering
 from trainer.debrief.rehearsal import due_orders
-from trainer.io.orders.grammar import Order, Refused, parse
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
+from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE, Giver
 from trainer.io.recording.recording import Recording
+from trainer.session.crew import CrewTalk
 from trainer.session.header import header_of
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
@@ -39,22 +42,32 @@ def record(
     timed = crew.items() if isinstance(crew, Mapping) else crew
     given_at = [(round(second / plan.method.step), text) for second, text in timed]
 
-    def give(by: str, order: Order, number: int | None) -> None:
+    talk = CrewTalk(boat)
+
+    def give(by: Giver, order: Order, number: int | None) -> None:
         entry = recording.order(boat.ticks, by, order.text, number)
-        answer = obey(boat, order) if order.name in BOAT_ORDERS else f"noted: {order.text}"
+        answer = answer_to(order, by)
         refused = isinstance(answer, Refused)
-        recording.answered(entry, str(answer), not refused)
+        fact = NO_CREW_FACT if refused else talk.fact_of(order, by.role)
+        if not refused:
+            talk.note(order, by, boat.ticks, fact)
+        recording.answered(entry, str(answer), not refused, fact)
+
+    def answer_to(order: Order, by: Giver) -> Reply:
+        if order.name in CREW_TALK:
+            return talk.obey(order, by.role)
+        return obey(boat, order) if order.name in BOAT_ORDERS else f"noted: {order.text}"
 
     with np.errstate(all="ignore"):
         for tick, places in enumerate(due_orders(plan)):
             for place in places:
-                give("schedule", plan.schedule[place].order, place)
+                give(SCHEDULE, plan.schedule[place].order, place)
             for text in (text for when, text in given_at if when == tick):
                 order = parse(text)
                 assert isinstance(order, Order), order
-                give(who, order, None)
+                give(giver_at(who), order, None)
                 if order.name == "mark":
-                    recording.event(tick, "mark", who, order.subject)
+                    recording.event(tick, "mark", who, order.subject, giver_at(who).role)
             boat.tick()
             recording.state(boat.ticks, boat.records.state.tobytes())
     recording.close()

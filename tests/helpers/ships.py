@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from trainer.boat.ship.forces import ROWS, add_terms, set_terms
+from trainer.boat.ship.forces import ROWS, System, add_terms, set_terms
 from trainer.boat.ship.models import Model, heeling, model_of
 from trainer.config.ship import Dimensions, Records, Roll, ShipFile
 from trainer.core.kernel import Numbers
@@ -171,7 +171,7 @@ def rolled_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, N
         step = np.vstack([row, row])
         step[1, 4], step[:, 9] = rudder, 4.0
         values = np.concatenate([whole, ROLL_NOISE, state])
-        system = np.array(ROLLING.constants), model.terms, values, none, model.driven
+        system = System(np.array(ROLLING.constants), model.terms, values, none, model.driven)
         assert sail_record(system, step, out) == 2
         state = out[1].copy()
         state[[0, 1, 2, 4]] += ROLL_NOISE[:4] * math.sqrt(T) * stream.standard_normal(4)

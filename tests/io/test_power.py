@@ -19,6 +19,7 @@ from typing import Any
 
 import pytest
 from helpers.crewed import Crewed
+from helpers.givers import HELM
 
 from trainer.io.recording import durability
 from trainer.io.recording import recording as recording_module
@@ -39,9 +40,11 @@ FLOWN = """
 import json, random, sys, time
 from pathlib import Path
 from trainer.io.recording import checkpoint
+from trainer.io.recording.format_1 import giver_of
 from trainer.io.recording.recording import Moment, Recording
 from trainer.session.event_log import SAFE, UNSAFE
 
+HELM = giver_of("helm")
 checkpoint.WORTHWHILE = 1_500_000  # [bytes]: the log is brought home now and then
 dice = random.Random(int(sys.argv[2]))
 recording = Recording.create(Path(sys.argv[1]), {"vessel": "x" * 50_000}, b"begun")
@@ -53,7 +56,7 @@ for number in range(10**6):
     act = dice.choices(["fly", "order", "mark", "keep", "fork"], [60, 30, 5, 5, 1])[0]
     name = f"{act} {number}"
     if act == "order":
-        after = recording.order(tick, "helm", name)
+        after = recording.order(tick, HELM, name)
         recording.answered(after, name, True)
     elif act == "mark":
         recording.event(tick, "mark", "helm", name)
@@ -322,10 +325,10 @@ def test_a_disk_that_does_not_answer_holds_no_order_up_and_is_behind(
         disk.free.clear()
         for tick in range(1, 20):
             recording.state(tick, STATE)
-            recording.order(tick, "helm", f"order {tick}")
+            recording.order(tick, HELM, f"order {tick}")
         assert within(WAIT_S, lambda: recording.behind)
         assert recording.behind == "it is slow"
-        recording.order(20, "helm", "as ever")  # though the disk is still at it
+        recording.order(20, HELM, "as ever")  # though the disk is still at it
         assert not recording.trouble
         disk.free.set()
         assert within(WAIT_S, lambda: not recording.behind)
@@ -339,7 +342,7 @@ def mark(recording: Recording) -> None:
 
 HERE = Moment(1, 1, STATE, 0, 0)
 PROMISES: dict[str, Callable[[Recording], object]] = {
-    "order": lambda recording: recording.order(1, "helm", "dive"),
+    "order": lambda recording: recording.order(1, HELM, "dive"),
     "mark": mark,
     "snapshot": lambda recording: recording.snapshot("here", HERE),
     "branch": lambda recording: recording.fork(HERE, "backtrack"),
@@ -375,10 +378,10 @@ def test_what_a_disk_refused_is_safe_only_once_it_was_brought_home(
         other.execute("BEGIN")
         other.execute("SELECT count(*) FROM orders").fetchall()  # who looks back keeps it away
         disk.refusal = OSError(errno.EIO, refused)
-        recording.order(1, "helm", "dive")
+        recording.order(1, HELM, "dive")
         assert within(WAIT_S, lambda: recording.behind == refused)
         disk.refusal, asked = None, disk.asked
-        recording.order(2, "helm", "dive again")
+        recording.order(2, HELM, "dive again")
         assert within(WAIT_S, lambda: disk.asked > asked)
         time.sleep(2 * durability.QUIET_S)
         assert recording.behind == refused  # what is granted now proves nothing
@@ -418,12 +421,12 @@ def test_without_descriptors_left_a_recording_is_written_and_safe(tmp_path: Path
     before = resource.getrlimit(resource.RLIMIT_NOFILE)
     recording = begin(tmp_path / "watch.trainer")
     with contextlib.closing(recording):
-        assert recording.order(1, "helm", "the first") == 1
+        assert recording.order(1, HELM, "the first") == 1
         resource.setrlimit(resource.RLIMIT_NOFILE, (3, before[1]))
         try:
             for tick in range(1, 50):
                 recording.state(tick, STATE)
-                recording.order(tick, "helm", f"order {tick}")
+                recording.order(tick, HELM, f"order {tick}")
             recording.snapshot("here", Moment(1, 20, STATE, 21, 0))
             recording.fork(Moment(1, 20, STATE, 21, 0), "backtrack")
             time.sleep(2 * recording_module.SAFE_WITHIN_S)
@@ -444,7 +447,7 @@ def test_a_recording_begun_without_descriptors_for_its_thread_is_behind_until_th
     opens = durability._open  # noqa: SLF001  where the system has its say
     monkeypatch.setattr(durability, "_open", refuse)
     with contextlib.closing(begin(tmp_path / "watch.trainer")) as recording:
-        recording.order(1, "helm", "dive")
+        recording.order(1, HELM, "dive")
         assert recording.behind == os.strerror(errno.EMFILE)
         monkeypatch.setattr(durability, "_open", opens)
         assert within(WAIT_S, lambda: not recording.behind)

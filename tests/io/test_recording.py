@@ -20,12 +20,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.givers import HELM, giver_at
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from trainer.io.recording import checkpoint
 from trainer.io.recording import file as file_module
 from trainer.io.recording import recording as recording_module
+from trainer.io.recording.facts import BranchCause
 from trainer.io.recording.recording import (
     FORMAT,
     Branch,
@@ -74,12 +76,12 @@ def whole(path: Path) -> bool:
 
 def fill(recording: Recording) -> None:
     """Record a short run with something of each kind."""
-    first = recording.order(0, "helm", "rudder left 15")
+    first = recording.order(0, HELM, "rudder left 15")
     recording.answered(first, "rudder left 15", accepted=True)
     for tick in (1, 2, 3):
         recording.state(tick, state_of(tick))
         recording.timing(tick, 100 * tick, 1000 * tick)
-    second = recording.order(2, "ballast", "blow all", place=4)
+    second = recording.order(2, giver_at("ballast"), "blow all", place=4)
     recording.snapshot("off Bute", Moment(1, 3, b"as it stood", second, 5))
     recording.answered(second, "no air", accepted=False)
     recording.event(3, "attached", "planes", "a line, «quoted»")
@@ -87,10 +89,12 @@ def fill(recording: Recording) -> None:
 
 def check_filled(recording: Recording) -> None:
     assert recording.header() == HEADER
-    assert recording.branches() == [Branch(1, None, 0, 0, 0, "the start", state_of(0))]
+    assert recording.branches() == [
+        Branch(1, None, 0, 0, 0, "the start", state_of(0), BranchCause.START)
+    ]
     assert recording.orders(1) == [
-        Journalled(1, 1, 0, "helm", "rudder left 15", None, accepted=True, answer="rudder left 15"),
-        Journalled(2, 1, 2, "ballast", "blow all", 4, accepted=False, answer="no air"),
+        Journalled(1, 1, 0, HELM, "rudder left 15", None, accepted=True, answer="rudder left 15"),
+        Journalled(2, 1, 2, giver_at("ballast"), "blow all", 4, accepted=False, answer="no air"),
     ]
     assert list(recording.states(1)) == [(tick, state_of(tick)) for tick in range(4)]
     assert list(recording.ledger(1)) == [(1, 100, 1000), (2, 200, 2000), (3, 300, 3000)]
@@ -125,7 +129,7 @@ def test_a_look_changes_nothing(path: Path) -> None:
     before = path.read_bytes()
 
     with closing(Recording.look(path)) as recording:
-        recording.order(3, "nobody", "dive")
+        recording.order(3, giver_at("nobody"), "dive")
 
         assert "readonly" in recording.trouble
     assert path.read_bytes() == before
@@ -171,7 +175,7 @@ def within(seconds: float, holds: Callable[[], bool]) -> bool:
 def test_an_order_is_on_disk_before_it_acts_and_all_before_it_too(path: Path) -> None:
     with closing(begin(path)) as recording, closing(Recording.look(path)) as reader:
         recording.state(1, state_of(1))
-        recording.order(1, "helm", "ahead full")
+        recording.order(1, HELM, "ahead full")
 
         assert [each.text for each in reader.orders(1)] == ["ahead full"]
         assert reader.orders(1)[0].accepted is None
@@ -261,7 +265,7 @@ def take(step: tuple[object, ...], model: Model, recording: Recording) -> None:
         case ("order", bool(scheduled)):
             place = model.now.place if scheduled else None
             model.order(place)
-            assert recording.order(model.now.tick, "a", "b", place) == model.given
+            assert recording.order(model.now.tick, giver_at("a"), "b", place) == model.given
         case ("keep", str(name)):
             model.keep(name)
             recording.snapshot(name, model.now)
@@ -309,12 +313,12 @@ def test_every_branch_has_the_past_that_led_to_it(steps: list[tuple[object, ...]
 def test_a_branch_taken_over_in_a_replay_of_its_forebear_begins_there() -> None:
     with closing(Recording.create(None, {}, b"0")) as recording:
         for tick in (1, 2, 3):
-            recording.order(tick - 1, "helm", f"order of {tick - 1}")
+            recording.order(tick - 1, HELM, f"order of {tick - 1}")
             recording.state(tick, b"%d" % tick)
         moment = recording.moment(1, 2)
         assert moment
         recording.fork(moment, "backtrack")
-        recording.order(2, "helm", "another")
+        recording.order(2, HELM, "another")
         recording.state(3, b"another 3")
 
         # a replay of branch 2 that began before branch 2 did
@@ -343,15 +347,17 @@ KILLED = """
 import json, os, random, signal, sys, time
 from pathlib import Path
 from trainer.io.recording import checkpoint, recording
+from trainer.io.recording.format_1 import giver_of
 from trainer.io.recording.recording import Moment, Recording
 
+HELM = giver_of("helm")
 checkpoint.WORTHWHILE, checkpoint.EVERY, recording.BATCH = 100_000, 0.002, 20
 
 def fly(path, pipe):
     recording = Recording.create(path, {"vessel": "v" * 20_000}, b"0" * 1944)
     tick = 0
     while True:
-        number = recording.order(tick, "helm", f"order at {tick}")
+        number = recording.order(tick, HELM, f"order at {tick}")
         if not recording.trouble:  # else it would be answered as not recorded
             os.write(pipe, f"{number}\\n".encode())
         recording.answered(number, "yes", True)
@@ -395,7 +401,7 @@ def survives(path: Path, told: int) -> None:
         assert all(order.tick <= latest.tick for order in orders)
         for flown in recording.flown(recording.branch):
             assert int(flown.state[:6].ljust(6, b"0")) == flown.tick
-        assert recording.order(latest.tick, "instructor", "go on") == len(written) + 1
+        assert recording.order(latest.tick, giver_at("instructor"), "go on") == len(written) + 1
     assert whole(path)
 
 
@@ -460,7 +466,7 @@ def test_a_reader_sees_what_is_committed_and_holds_nobody_up(path: Path) -> None
         assert [next(reading)[0], next(reading)[0]] == [0, 1]
         for tick in range(100, 2000):
             recording.state(tick, state_of(tick))
-        recording.order(1999, "helm", "ahead full")
+        recording.order(1999, HELM, "ahead full")
 
         assert recording.trouble == ""
         assert sum(1 for _ in reading) == 98  # as it was when the reading began
@@ -657,7 +663,7 @@ def test_a_disk_that_answers_again_is_written_to_at_once(
     with closing(begin(path)) as recording:
         recording.state(1, state_of(1))
         assert Held.reached.wait(60.0)
-        recording.order(1, "helm", "depth 50")
+        recording.order(1, HELM, "depth 50")
         assert "does not answer" in recording.trouble
         Held.answers.set()
         assert within(60.0, lambda: not recording.trouble)
@@ -726,7 +732,7 @@ def fly(recording: Recording, first: int, last: int) -> None:
         recording.state(tick, state_of(tick))
         recording.timing(tick, 1, 2)
         if tick % 5 == 0:
-            recording.answered(recording.order(tick, "helm", f"order at {tick}"), "yes", True)  # noqa: FBT003
+            recording.answered(recording.order(tick, HELM, f"order at {tick}"), "yes", True)  # noqa: FBT003
 
 
 def check_whole(path: Path, last: int) -> None:
@@ -804,7 +810,7 @@ def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
         recording.go_on(Moment(2, 40, state_of(40), 16, 0))
         assert recording.trouble == ""
         recording.state(41, state_of(41))
-        assert recording.order(41, "helm", "after it") == 17
+        assert recording.order(41, HELM, "after it") == 17
 
     assert recording.missing == "70 ticks, 14 orders"
     with closing(Recording.look(path)) as again:
@@ -823,10 +829,10 @@ def test_a_recording_that_is_not_there_any_more_is_told(
     path: Path, remove: Callable[[Path], object]
 ) -> None:
     with closing(begin(path)) as recording:
-        recording.order(1, "helm", "before")
+        recording.order(1, HELM, "before")
         assert not recording.trouble
         remove(path)
-        recording.order(2, "helm", "after")
+        recording.order(2, HELM, "after")
         assert "is not there any more" in recording.trouble
         assert "all up to tick 2 of branch 1 is kept" in recording.trouble
 
@@ -1020,7 +1026,7 @@ def branched(path: Path) -> None:
         fill(recording)
         recording.fork(Moment(1, 1, state_of(10), 1, 0), "backtrack")
         recording.state(2, state_of(20))
-        recording.order(2, "helm", 'port 5, "easy"')
+        recording.order(2, HELM, 'port 5, "easy"')
 
 
 def read_csv(path: Path) -> list[dict[str, str]]:
@@ -1206,7 +1212,7 @@ def test_a_file_that_holds_more_or_less_than_a_recording_is_refused(
 def test_a_trigger_erases_no_order(path: Path) -> None:
     changed(path, HARM["trigger"])
     with contextlib.suppress(RecordingError), closing(Recording.reopen(path)) as recording:
-        recording.order(3, "helm", "rudder left 5")
+        recording.order(3, HELM, "rudder left 5")
     with contextlib.closing(sqlite3.connect(path)) as connection:
         assert connection.execute("SELECT count(*) FROM orders").fetchone()[0] >= 2
 
@@ -1261,12 +1267,12 @@ LARGE = {
         "FROM generate_series"
     ),
     "branches": (
-        "INSERT INTO branches SELECT 1 + value, 1, 3, 0, 0, 'why', zeroblob(60000), '' "
+        "INSERT INTO branches SELECT 1 + value, 1, 3, 0, 0, 'why', zeroblob(60000), '', 'jump' "
         "FROM generate_series"
     ),
     "orders": (
         "INSERT INTO orders SELECT 2 + value, 1, 3, 'x', printf('%.*c', 9000, 'x'), NULL, 1, '', "
-        "'' FROM generate_series"
+        "'', 'station', '', 0, '', '' FROM generate_series"
     ),
     "snapshots": (
         "INSERT INTO snapshots SELECT 1 + value, 'n' || value, 1, 3, zeroblob(60000), 0, 0, '' "

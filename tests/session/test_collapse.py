@@ -146,6 +146,9 @@ def test_programs_are_told_the_depth_passed_and_the_collapse_in_fields(watch: Wa
     watch.sail(iter([order_sentence(DIVE), order_sentence("step 1000")]))
 
     facts = [line.partition("*")[0].split(",") for line in watch.instructor.said("$TRF,")]
+    ranks = [fact[5] for fact in facts if fact[3] == "alert-rank"]
+    assert ranks[-2:] == ["emergency", "emergency"]
+    assert "emergency" not in ranks[:-2]
     told = [fact[3:] for fact in facts if fact[3] in ("depth", "collapse")]
     assert told[:2] == [["depth", "85"], ["depth", "110"]]
     assert told[2][0] == "collapse"

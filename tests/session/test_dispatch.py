@@ -7,7 +7,8 @@ from helpers.crewed import Crewed
 from helpers.places import ROOT
 
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
+from trainer.io.orders.schedule import Scheduled
+from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK, UNSCHEDULED
 from trainer.session import dispatch
 from trainer.session.dispatch import GATES, ORDERS, Gate, Obeyer, order_table, refusal
 from trainer.session.stations import roles
@@ -25,6 +26,24 @@ def test_every_order_word_has_one_rule_and_every_rule_an_order_word() -> None:
     words = [word for _, group in dispatch.GROUPS for word in group]
     assert sorted(words) == sorted(roles.ORDERS)
     assert len(words) == len(ORDERS)
+
+
+@pytest.mark.parametrize("words", ["mark", "status", "who", "end exercise", "again"])
+def test_a_schedule_goes_on_past_what_has_no_place_in_it(
+    crewed: Callable[..., Crewed], words: str
+) -> None:
+    orders = [understood(text) for text in (words, "rudder right 10")]
+    ship = crewed(seconds=5, schedule=[Scheduled(1.0, order, 1) for order in orders])
+    ship.fly(10)
+    assert ship.session.dispatch.refused == [
+        f"1 s: {words}: refused: {words} has no place in a schedule"
+    ]
+    assert ship.session.history.place == 2
+
+
+def test_no_schedule_is_read_that_holds_what_nobody_may_schedule() -> None:
+    passed_on = {word for word, rule in ORDERS.items() if rule.passed_on}
+    assert set(ORDERS) - passed_on <= UNSCHEDULED <= set(ORDERS)
 
 
 def test_whatever_is_not_passed_on_has_somebody_who_answers_it(

@@ -2,16 +2,15 @@
 
 import contextlib
 import re
-import socket
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from helpers.places import ROOT
+from helpers.rewording import OTHER, Rewording
 
 from trainer.console.client import Client
 from trainer.console.layouts import LAYOUTS, wishes
@@ -22,54 +21,6 @@ pytestmark = pytest.mark.process
 
 TRAINER = [sys.executable, "-m", "trainer"]
 PATIENCE = 60.0  # [s]
-OTHER = "in other words"
-
-
-def reworded(line: str) -> str:
-    """Return a line of a session, its text in other words."""
-    sentence = sentences.read(line)
-    if sentence is None:
-        return line if line.startswith("$") else OTHER
-    if sentence.kind == "TRA":
-        status, _ = sentence.fields
-        if status == "say":
-            return sentences.say(sentence.tag, OTHER)
-        return sentences.answer(sentence.tag, accepted=status == "ok", text=OTHER)
-    if sentence.kind == "TRE":
-        tick, seconds, kind, _ = sentence.fields
-        return sentences.event(int(tick), float(seconds), kind, OTHER)
-    return line
-
-
-class Rewording:
-    """A port before a session's, that passes all on, what the session says in other words."""
-
-    def __init__(self, session: Path) -> None:
-        self.session = session
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.port = self.listener.getsockname()[1]
-        threading.Thread(target=self._accept, daemon=True).start()
-
-    def _accept(self) -> None:
-        with contextlib.suppress(OSError):
-            while True:
-                near, _ = self.listener.accept()
-                far = socket.socket(socket.AF_UNIX)
-                far.connect(str(self.session))
-                threading.Thread(target=self._pass, args=(near, far), daemon=True).start()
-                threading.Thread(target=self._reword, args=(far, near), daemon=True).start()
-
-    def _pass(self, near: socket.socket, far: socket.socket) -> None:
-        with contextlib.suppress(OSError):
-            while data := near.recv(4096):
-                far.sendall(data)
-            far.shutdown(socket.SHUT_WR)
-
-    def _reword(self, far: socket.socket, near: socket.socket) -> None:
-        with contextlib.suppress(OSError):
-            for line in far.makefile(encoding="ascii", newline="\n"):
-                near.sendall(reworded(line.rstrip("\r\n")).encode() + b"\r\n")
-            near.shutdown(socket.SHUT_WR)
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.givers import giver_at
 
 from trainer.analysis.recording_export import table_layout
 from trainer.boat.boat import Boat
@@ -92,7 +93,7 @@ class Run:
         return int(self.boat.state.tick)
 
     def give(self, order: Order, place: int | None = None) -> None:
-        number = self.recording.order(self.tick, "instructor", order.text, place)
+        number = self.recording.order(self.tick, giver_at("instructor"), order.text, place)
         self.after = number
         if place is not None:
             self.place = place + 1
@@ -419,15 +420,21 @@ SWOLLEN = {
     "header": (6, "INSERT INTO header SELECT 'k' || i, printf('%.*c', 15000000, 'x') FROM n"),
     "branches": (
         1500,
-        "INSERT INTO branches SELECT 9 + i, 1, 0, 0, 0, '', zeroblob(60000), '' FROM n",
+        "INSERT INTO branches SELECT 9 + i, 1, 0, 0, 0, '', zeroblob(60000), '', 'jump' FROM n",
     ),
     "orders": (
         9000,
-        "INSERT INTO orders SELECT 99 + i, 1, 9, i, printf('%.*c', 9000, 'x'), 0, 1, i, i FROM n",
+        (
+            "INSERT INTO orders SELECT 99 + i, 1, 9, i, printf('%.*c', 9000, 'x'), 0, 1, i, i, "
+            "'station', i, 0, '', '' FROM n"
+        ),
     ),
     "events": (
         9000,
-        "INSERT INTO events SELECT 999 + i, 1, 9, 'mark', '', printf('%.*c', 9000, 'x'), '' FROM n",
+        (
+            "INSERT INTO events "
+            "SELECT 999 + i, 1, 9, 'mark', '', printf('%.*c', 9000, 'x'), '', '' FROM n"
+        ),
     ),
     "snapshots": (
         3000,

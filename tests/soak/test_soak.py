@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import pytest
+from helpers.givers import giver_at
 
 from soak.audit import Answered, check_journal, complete
 from soak.operators import Orders, Watchbill, instruct
@@ -68,8 +69,8 @@ def recording(tmp_path: Path) -> Path:
             recorded.state(tick, b"%d" % tick)
             if tick != 2:
                 recorded.timing(tick, 1, 1)
-        recorded.order(3, "helm at x", "rudder left 5")
-        recorded.order(3, "helm at x", "rudder left 6")
+        recorded.order(3, giver_at("helm at x"), "rudder left 5")
+        recorded.order(3, giver_at("helm at x"), "rudder left 6")
     return path
 
 

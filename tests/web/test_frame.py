@@ -136,8 +136,9 @@ LAID_IN: Final = """async () => {
   const entries = (words) => words.split(" ").map((each) =>
     ({ seconds: Number(each.slice(1)), kind: "station", text: each[0] }));
   const told = (log, earlier) => laidIn(entries(log), entries(earlier)).map(({ text }) => text);
+  const said = { speaker: "instructor", words: "depth 80: ok" };
   const [own, whole] = ["instructor: depth 80: ok", "instructor at tcp 127.0.0.1:7: depth 80: ok"]
-    .map((text, at) => [{ seconds: 7 + at / 2, kind: "own", text }]);
+    .map((text, at) => [{ seconds: 7 + at / 2, kind: "own", text, ...said }]);
   return [
     ...[["c0 d0", "a0 b0 c0"], ["a0 b5 f50", "a0 b5 c5 d20 e40"], ["x0", "a0 b0"]]
       .map(([log, earlier]) => told(log, earlier).join("")),

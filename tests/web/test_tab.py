@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.exported import Row
+from helpers.givers import giver_at
 from helpers.recorded import record
 from helpers.tab import fly
 
@@ -276,7 +277,7 @@ def test_branches_begin_each_at_its_parents_moment(drill: Path, tmp_path: Path) 
         assert moment is not None
         boat.restore(np.frombuffer(moment.state, boat.records.state.dtype))
         number = recording.fork(moment, f"to tick {tick}")
-        order = recording.order(tick, "instructor", words)
+        order = recording.order(tick, giver_at("instructor"), words)
         recording.answered(order, told(boat, words), accepted=True)
         flown[number] = {}
         for _ in range(80):

@@ -21,6 +21,7 @@ from typing import Any
 import pytest
 from helpers import node
 from helpers.firefox import firefox
+from helpers.givers import giver_at
 from helpers.pages import PATIENCE
 from helpers.places import ROOT
 from helpers.recorded import record
@@ -334,7 +335,9 @@ def attacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for tick, text in enumerate([*HOSTILE, *UNSEEN], 1):
             for kind in ("mark", "exercise", "watch", "station", text):
                 recording.event(tick, kind, text, text)
-            recording.answered(recording.order(tick, text, text, None), text, accepted=True)
+            recording.answered(
+                recording.order(tick, giver_at(text), text, None), text, accepted=True
+            )
     return path
 
 

@@ -106,6 +106,7 @@ def offer(boat: Boat, casualty: Casualty, degree: str) -> dict[str, Any]:
     ]
     measure = casualty.measure
     amount = casualty.severity * casualty.full * (limits or [1.0])[0]
+    usual = casualties.degree_of(boat, casualty)
     return {
         "name": casualty.name,
         "kind": casualty.kind,
@@ -120,6 +121,7 @@ def offer(boat: Boat, casualty: Casualty, degree: str) -> dict[str, Any]:
         "high": min(measure.limits.high, 1e300),
         "sudden": measure.sudden,
         "degree": degree,
+        "usual": usual.fields if usual else "",
         "told": "" if measure.sudden else casualties.describe(boat, casualty.kind, amount),
     }
 

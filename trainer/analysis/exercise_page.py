@@ -47,9 +47,10 @@ from trainer.config.score_rules import Rule
 from trainer.config.vessel import load_vessel
 from trainer.core.cache import core_digest
 from trainer.debrief.judgement import MOST_NOBODY, judge, plain_marks
-from trainer.debrief.rehearsal import CREW, Rehearsal, fly
+from trainer.debrief.rehearsal import Rehearsal, fly
 from trainer.debrief.scoring import Scorecard, formula_of
 from trainer.debrief.trajectory import lacks
+from trainer.io.recording.facts import REFERENCE_CREW
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.units import KNOT
@@ -270,7 +271,7 @@ def _refused(checked: Flown, place: Place) -> Iterator[str]:
         key = "name" if broken else "order"
         yield at.wrong(key, entry.order.subject or each.text, f"a run refuses it: {each.answer}")
     crew = checked.flights["crew"].refused if checked.crew else ()
-    refused = {each.text: each.answer for each in crew if each.who == CREW}
+    refused = {each.text: each.answer for each in crew if each.giver == REFERENCE_CREW}
     for i, reaction in enumerate(plan.crew.rules):
         if reaction.order.text in refused:
             told = f"the boat refuses it: {refused[reaction.order.text]}"

@@ -19,6 +19,7 @@ from trainer.units import KNOT
 RULES: Final = ("once", "again")
 LONGEST: Final = 3600.0  # [s] ramp
 SIDES: Final = {"rudder": ("right", "left"), "stern": ("rise", "dive"), "bow": ("rise", "dive")}
+OFFSETS: Final = ("too little", "too much")  # what a gauge shows
 GAUGE_UNITS: Final = {  # what a gauge shows: unit, and its size [SI]
     "depth-gauge": ("m", 1.0),
     "gyro": ("deg", math.radians(1.0)),
@@ -46,6 +47,32 @@ class Active:
     target: float  # [SI]
     seconds: float  # until it is there, or gone
     clearing: bool
+
+
+class Size(NamedTuple):
+    """An amount of a casualty as people count it: `reads 3 m too much`."""
+
+    amount: str
+    unit: str
+    before: str = ""  # the words before the amount
+    side: str = ""
+    sides: tuple[str, ...] = ()  # that of less, then that of more, where there are two
+
+
+class Degree(NamedTuple):
+    """The usual degree of a casualty."""
+
+    name: str
+    severity: float
+    ramp_s: float
+    size: Size
+
+    @property
+    def fields(self) -> str:
+        """Return the degree as programs are told it."""
+        size = self.size
+        amounts = f"{self.severity:g}", f"{self.ramp_s:g}", size.amount
+        return ",".join((self.name, *amounts, size.unit, size.side, *size.sides))
 
 
 class Readings(NamedTuple):
@@ -140,26 +167,39 @@ def active(boat: Boat) -> list[Active]:
 
 def describe(boat: Boat, kind: str, amount: float) -> str:
     """Return an amount [SI] of a casualty with its unit and side: 6 deg dive."""
+    size = size_of(boat, kind, amount)
+    return f"{size.before}{size.amount} {size.unit} {size.side}".rstrip() if size else ""
+
+
+def size_of(boat: Boat, kind: str, amount: float) -> Size | None:
+    """Return an amount [SI] of a casualty as people count it.
+
+    None where they do not count it.
+    """
     what, _, how = kind.rpartition("-")
     surface = kind.partition("-")[0]
     if surface in SURFACES and kind.endswith(("-hard-over", "-stuck")):
         # an angle [rad] of a surface with its side, right and rise positive
         angle = amount * boat.toward[surface]
         size = round(math.degrees(angle), 1) + 0.0
-        return f"{abs(size):g} deg{f' {SIDES[surface][size < 0.0]}' if size else ''}"
+        more, less = SIDES[surface]
+        sides = (less, more) if size else ()
+        return Size(f"{abs(size):g}", "deg", side=less if size < 0.0 else more, sides=sides)
     if what in GAUGE_UNITS:
         # what is wrong with a gauge, in its unit
         unit, size = GAUGE_UNITS[what]
         shown = amount / size
         if how == "noisy":
-            return f"{shown:.3g} {unit} of noise"
+            return Size(f"{shown:.3g}", f"{unit} of noise")
         if how == "stuck":
-            return f"at {shown % 360.0 if unit == 'deg' else shown:.1f} {unit}"
-        return f"reads {abs(shown):.3g} {unit} too {'little' if shown < 0.0 else 'much'}"
+            value = shown % 360.0 if unit == "deg" else shown
+            return Size(f"{value:.1f}", unit, before="at ")
+        side = OFFSETS[shown >= 0.0]
+        return Size(f"{abs(shown):.3g}", unit, before="reads ", side=side, sides=OFFSETS)
     if kind.startswith(("leak-", "flooding-")):
-        return f"hole {1e4 * amount:.3g} cm2"
+        return Size(f"{1e4 * amount:.3g}", "cm2", before="hole ")
     share = next((s for end, s in SHARES.items() if kind.startswith(end) or kind.endswith(end)), "")
-    return f"{100.0 * amount:.3g} % {share}" if share else ""
+    return Size(f"{100.0 * amount:.3g}", f"% {share}") if share else None
 
 
 def listing(boat: Boat) -> list[str]:
@@ -190,6 +230,20 @@ def available(boat: Boat) -> list[tuple[str, str, str]]:
         for each in boat.casualties.values()
         if _carries(boat, each.kind)
     ]
+
+
+def degrees(boat: Boat) -> list[Degree]:
+    """Return the usual degrees of the casualties that have any other degree."""
+    found = (degree_of(boat, boat.casualties[name]) for name, _, _ in available(boat))
+    return [degree for degree in found if degree]
+
+
+def degree_of(boat: Boat, casualty: Casualty) -> Degree | None:
+    """Return the usual degree of a casualty, None where it has no other."""
+    if casualty.measure.sudden:
+        return None
+    size = size_of(boat, casualty.kind, _amount(boat, casualty, casualty.severity))
+    return Degree(casualty.name, casualty.severity, casualty.ramp_s, size) if size else None
 
 
 def readings(boat: Boat) -> Readings:

@@ -10,7 +10,8 @@ from typing import Final, NamedTuple
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import readings
 from trainer.io.orders.grammar import Order, Refused, Reply
-from trainer.units import FOOT, KNOT
+from trainer.io.recording.facts import NO_CREW_FACT, CrewFact, CrewNews
+from trainer.units import KNOT
 
 AXES: Final = ("course", "depth", "speed", "pitch")  # in the order of the state's crew_order
 SIDES: Final = {"left": -1.0, "right": 1.0}
@@ -73,7 +74,7 @@ def order_crew(boat: Boat, order: Order) -> Reply:
 def _order_amount(boat: Boat, what: str, order: Order) -> str:
     """Let a depth, a speed or an angle stand; "down" is in the word of an angle."""
     if what == "depth":
-        return _stand(boat, what, order.value, FOOT if order.text.endswith("ft") else 1.0)
+        return _stand(boat, what, order.value, order.unit.factor if order.unit else 1.0)
     return _stand(boat, what, -order.value if order.word.endswith("down") else order.value)
 
 
@@ -109,6 +110,15 @@ def _stand(boat: Boat, axis: str, value: float, unit: float = 1.0) -> str:
     if axis == "depth":
         boat.state.crew_depth_unit = unit
     return f"ordered: {standing_on(boat, axis)}"
+
+
+def ordered_fact(boat: Boat, order: Order) -> CrewFact:
+    """Return what an order that has just been obeyed orders the crew."""
+    if order.name == "tell":
+        return CrewFact(CrewNews.ORDERED, order.subject)
+    axis = order.word.partition("_")[0].replace("periscope", "depth")
+    standing = standing_on(boat, axis) if order.name == "order" and axis in AXES else None
+    return CrewFact(CrewNews.ORDERED, str(standing)) if standing else NO_CREW_FACT
 
 
 def standing_on(boat: Boat, axis: str) -> CrewOrder | None:

@@ -129,6 +129,7 @@ class Passed(NamedTuple):
 
     depth: float  # [m]
     words: str
+    too_deep: bool = False  # beyond test depth
 
 
 def lowest_depth(depth: Depths, pitch: Depths, length: float) -> Depths:
@@ -174,7 +175,7 @@ def called_depth(test_depth: float, place: int) -> Passed:
     depth = test_depth + beyond
     if place == AT_TEST_DEPTH:
         return Passed(depth, f"Passing test depth, {depth:g} m")
-    return Passed(depth, f"Passing {depth:g} m, {beyond:g} m beyond test depth")
+    return Passed(depth, f"Passing {depth:g} m, {beyond:g} m beyond test depth", too_deep=True)
 
 
 @dataclass

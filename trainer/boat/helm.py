@@ -175,8 +175,7 @@ def _course(boat: Boat, order: Order) -> Reply:
 
 def _course_to(boat: Boat, order: Order) -> Reply:
     """Keep a course, turning the way ordered, with the rudder automatic."""
-    side = -1.0 if order.text.startswith("course left") else 1.0
-    start = boat.state.psi
+    side, start = order.side, boat.state.psi
     _automatic(boat, "rudder")
     change = math.remainder(abs(order.value) - start, math.tau)
     boat.state.ordered_psi = start + change + (side * math.tau if change * side < 0.0 else 0.0)

@@ -28,6 +28,7 @@ from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
 from trainer.io.orders.schedule import LATEST
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.absence import OrdersAlone
+from trainer.io.recording.facts import station
 from trainer.io.recording.queries import Journalled, Moment
 from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, Cell
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
     from trainer.io.recording.recording import Recording
     from trainer.session.stations.station import News
 
-WHO: Final = "instructor at python"  # who gives the orders, for the record
+GIVER: Final = station("instructor", "python")  # of the orders, for the record
 BEGIN: Final = {"speed": "speed_kn", "depth": "depth_m", "course": "course_deg"}
 WIDTH: Final = len(COLUMNS)
 
@@ -169,7 +170,7 @@ class Boat:
             )
         with self._alone(), np.errstate(all="ignore"):
             self._refuse_closed()
-            answer = self._session.give(order, WHO)
+            answer = self._session.give(order, GIVER)
         if isinstance(answer, Refused):
             raise ConfigError(answer.reason)
         return answer
@@ -282,7 +283,7 @@ class Boat:
             raise ConfigError("restore: this is no snapshot, or one of another boat")
         with self._alone(), np.errstate(all="ignore"):
             self._refuse_closed()
-            self._session.return_to(snapshot._moment, f"restore, by {WHO}")  # noqa: SLF001
+            self._session.return_to(snapshot._moment, f"restore, by {GIVER}")  # noqa: SLF001
             self._rows.cut(self._boat.ticks)
             self._events[:] = [each for each in self._events if each.tick <= self._boat.ticks]
 

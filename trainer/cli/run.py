@@ -195,11 +195,17 @@ def debriefing() -> "Debriefing":
         card = debrief.final
         told = [f"{each.name}: {each.marks:.0f}" for each in card.scores if each.marks is not None]
         uncounted = tuple(each.name for each in card.scores if each.marks is None)
+        times: list[float | None] = [None] * len(told)
         told += [f"cost most: {each.told}" for each in debrief.costs]
+        times += [None if each.tick is None else each.tick * debrief.step for each in debrief.costs]
         if card.verdict is None:
-            return Judgement("", card.total, tuple(told), uncounted)
-        why = [card.verdict.reason] if card.verdict.reason else []
-        return Judgement(card.verdict.outcome, card.total, (*why, *told), uncounted)
+            return Judgement("", card.total, tuple(told), uncounted, tuple(times))
+        if card.verdict.reason:
+            end = float(debrief.trajectory.seconds[-1])  # a loss ends the exercise
+            told = [card.verdict.reason, *told]
+            times = [end if card.verdict.outcome == "lost" else None, *times]
+        outcome = card.verdict.outcome
+        return Judgement(outcome, card.total, tuple(told), uncounted, tuple(times))
 
     def write(path: Path, branch: int) -> Path:
         from trainer.debrief.page import Asked, beside, debrief_file

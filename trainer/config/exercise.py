@@ -48,6 +48,7 @@ from trainer.config.words import EQUATIONS
 from trainer.config.world import READERS, WORLD_RECORDS, WorldTables, read_world
 from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import LATEST, Scheduled
+from trainer.io.orders.table import UNSCHEDULED
 
 # what a crew works by hand, and the orders that give it to the autopilot, or to the trim's keeper
 AXES: Final[Mapping[str, tuple[str, ...]]] = {
@@ -64,11 +65,6 @@ MANNED: Final[Mapping[str, tuple[str, ...]]] = {  # by the axis of an order to t
     "speed": ("speed",),
     "pitch": ("planes", "ballast"),
 }
-UNSCHEDULED: Final = (  # they answer a console, or are a person's to say or to decide
-    *("help", "status", "aye", "belay", "allow", "ack", "again", "restart", "next", "debrief"),
-    *("branch", "release-marks", "command", "give", "keep", "branches", "history", "ready"),
-    *("plan", "plans", "cancel", "name"),
-)
 TABLES: Final = (
     *("initial", "sea", "orders", "casualties", "limits", "scores", "stated"),
     *(*CREW_TABLES, *READERS),

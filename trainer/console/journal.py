@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
+from trainer.io.orders.grammar import name_of
 from trainer.io.orders.sentences import Sentence
 
 KEPT: Final = 1000
@@ -60,7 +61,7 @@ def plan_of(subject: str) -> list[Kept]:
         seconds = float(when)
     except ValueError:
         return []
-    sign = "c" if text.startswith("casualty ") else "o"
+    sign = "c" if name_of(text) == "casualty" else "o"
     return [Kept(seconds, sign, text)] if math.isfinite(seconds) else []
 
 

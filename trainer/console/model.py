@@ -13,7 +13,7 @@ from trainer.console.crew import CrewOrders
 from trainer.console.journal import Journal, Kept, Sample, Trace, entry_of, plan_of
 from trainer.console.past import EVENTS, LATE, Past
 from trainer.console.readings import ChannelReadings, Reading
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order, name_of, parse
 from trainer.io.orders.sentences import Sentence
 
 RINGING: Final = frozenset({"watch", "depth", "pilot", "trouble"})  # kinds with a bell
@@ -250,8 +250,7 @@ class SessionModel:
             _, seconds, kind, text = sentence.fields
             self.journal.add(float(seconds), kind, text)
             self.rings += kind in RINGING
-            if kind in ("marks", "exercise"):
-                self._hear_marks(text, told=kind == "marks")
+            self.releases += kind == "marks"
         elif sentence.kind == "TRF":
             self._note(sentence)
         elif self.picture.take(sentence, self.clock()) == self.gauges:
@@ -364,7 +363,7 @@ class SessionModel:
             self._remember(seconds, subject)
         elif what in CrewOrders.FACTS:
             self._order_crew(seconds, what, subject)
-        elif what in ("exercise", "exercise-over", "marks"):
+        elif what in ("exercise", "exercise-over", "marks", "reason"):
             self._brief(seconds, what, subject)
         else:
             self._list(seconds, what, subject)
@@ -404,8 +403,11 @@ class SessionModel:
             self.marks_told.clear()
             self.rings += 1
             self.endings += 1
-        elif what == "marks":  # in words they are told to who is there
-            self.marks_told = self.marks_told or [marks_in_words(subject)]
+        elif what == "marks":
+            self.marks_told = [marks_in_words(subject)]
+        elif what == "reason":  # its time [s] comes first
+            reason = subject.partition(",")[2]
+            self.marks_told += [reason] if reason not in self.marks_told else []
         elif equals:
             if key == "title" and value != self.exercise.get("title"):
                 self._forget_exercise()
@@ -414,14 +416,6 @@ class SessionModel:
                 lines.extend([value] if value not in lines else [])
             else:
                 self.exercise[key] = value
-
-    def _hear_marks(self, text: str, *, told: bool) -> None:
-        """Keep the marks and their reasons: the instructor hears them first, then all."""
-        if text.startswith("marks: "):
-            self.marks_told = [text.removeprefix("marks: ")]
-            self.releases += told
-        elif text.startswith("  ") and self.marks_told and text.strip() not in self.marks_told:
-            self.marks_told.append(text.strip())
 
     def _forget_exercise(self) -> None:
         """Keep nothing of an exercise but its file's name, which is told first."""
@@ -470,9 +464,10 @@ class SessionModel:
 
     def _remember(self, seconds: float, words: str) -> None:
         """Keep on the time line what is worth going back to."""
-        if words.startswith("snapshot ") and self.instructs:
+        name = name_of(words)
+        if name == "snapshot" and self.instructs:
             self.ask("snapshots")
-        elif words.startswith("casualty "):
+        elif name == "casualty":
             self.marks.append(Kept(seconds, "C", words))
             self.rings += 1
 

@@ -10,10 +10,9 @@ from typing import Final
 
 from trainer.core.elementary import arctangent, cosine_and_sine
 from trainer.core.kernel import Record, part
-from trainer.core.state import HISTORY, MOTION
+from trainer.core.state import HISTORY, PHI, PSI, THETA
 
 POLAR: Final = 1.3089969389957472  # [rad] 75 deg
-PHI: Final = MOTION.index("phi")
 HALF_TURN: Final = 3.141592653589793
 TURN: Final = 6.283185307179586
 
@@ -60,18 +59,18 @@ def turned(
     cos_phi, sin_phi = cosine_and_sine(phi)
     cos_th, sin_th = cosine_and_sine(theta)
     cos_psi, sin_psi = cosine_and_sine(psi)
-    north = rotated(
+    north, _, _ = rotated(
         cos_psi * cos_th,
         cos_psi * sin_th * sin_phi - sin_psi * cos_phi,
         cos_psi * sin_th * cos_phi + sin_psi * sin_phi,
         turn,
-    )[0]
-    east = rotated(
+    )
+    east, _, _ = rotated(
         sin_psi * cos_th,
         sin_psi * sin_th * sin_phi + cos_psi * cos_phi,
         sin_psi * sin_th * cos_phi - cos_psi * sin_phi,
         turn,
-    )[0]
+    )
     x, y, z = rotated(-sin_th, cos_th * sin_phi, cos_th * cos_phi, turn)
     level = y * y + z * z
     pitch = arctangent(-x, math.sqrt(level))
@@ -87,8 +86,8 @@ def take_attitude(phi: float, theta: float, psi: float, state: Record) -> None:
     s.phi, s.theta, s.psi = phi, theta, psi
     for back in range(HISTORY):
         s.past_motion[back, PHI] += jump_phi
-        s.past_motion[back, PHI + 1] += jump_theta
-        s.past_motion[back, PHI + 2] += jump_psi
+        s.past_motion[back, THETA] += jump_theta
+        s.past_motion[back, PSI] += jump_psi
 
 
 @part

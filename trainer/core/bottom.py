@@ -16,7 +16,18 @@ from typing import Final
 
 from trainer.core.elementary import cosine_and_sine, sine
 from trainer.core.kernel import Numbers, Record, part
-from trainer.core.state import SOUNDINGS
+from trainer.core.state import (
+    AXIAL,
+    GROUND_DEPTH,
+    GROUND_EAST,
+    GROUND_NORTH,
+    LATERAL,
+    NORMAL,
+    PITCHING,
+    ROLLING,
+    SOUNDINGS,
+    YAWING,
+)
 
 PLACES: Final = (-0.45, -0.225, 0.0, 0.225, 0.45)  # [-] of the hull's length, aft first
 REACH: Final = 0.45
@@ -24,6 +35,7 @@ STIFFNESS: Final = 0.5  # [rad/s] w
 DAMPING: Final = 0.5  # [-] zeta
 SLOWEST: Final = 0.1  # [m/s] below which friction is smooth
 
+NORTH, EAST, DOWN = 0, 1, 2  # of a vector over ground
 Vector = tuple[float, float, float]
 Axes = tuple[Vector, Vector, Vector]  # of the body over ground: ahead, to starboard, down
 
@@ -40,14 +52,14 @@ def clearance(state: Record, keel: float) -> float:
     s = state[0]
     least = math.inf
     for i in range(SOUNDINGS):
-        least = min(least, s.bottom[0, i])
+        least = min(least, s.bottom[GROUND_DEPTH, i])
     return least - s.z - keel
 
 
 @part
 def dot(a: Vector, b: Vector) -> float:
     """Return the product of two vectors."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return a[NORTH] * b[NORTH] + a[EAST] * b[EAST] + a[DOWN] * b[DOWN]
 
 
 @part
@@ -73,13 +85,13 @@ def push(
     """
     mass = state[0].weight / vessel[0].g + vessel[0].m33
     rise = dot(v, n)
-    along = (v[0] - rise * n[0], v[1] - rise * n[1], v[2] - rise * n[2])
+    along = (v[NORTH] - rise * n[NORTH], v[EAST] - rise * n[EAST], v[DOWN] - rise * n[DOWN])
     rub = scheme[0].friction * abs(load)
     rub /= max(SLOWEST, 10.0 * scheme[0].h * rub / mass, math.sqrt(dot(along, along)))
     return (
-        load * n[0] - rub * along[0],
-        load * n[1] - rub * along[1],
-        load * n[2] - rub * along[2],
+        load * n[NORTH] - rub * along[NORTH],
+        load * n[EAST] - rub * along[EAST],
+        load * n[DOWN] - rub * along[DOWN],
     )
 
 
@@ -118,12 +130,12 @@ def over_ground(state: Record, turned: Axes, x: float, keel: float, z: float) ->
     s = state[0]
     ahead, right, down = turned
     a, b, c = s.u + keel * s.q, s.v + x * s.r - keel * s.p, s.w - x * s.q
-    north = a * ahead[0] + b * right[0] + c * down[0]
-    east = a * ahead[1] + b * right[1] + c * down[1]
+    north = a * ahead[NORTH] + b * right[NORTH] + c * down[NORTH]
+    east = a * ahead[EAST] + b * right[EAST] + c * down[EAST]
     return (
         north + s.water_north + s.shear_north * z,
         east + s.water_east + s.shear_east * z,
-        a * ahead[2] + b * right[2] + c * down[2],
+        a * ahead[DOWN] + b * right[DOWN] + c * down[DOWN],
     )
 
 
@@ -135,12 +147,12 @@ def add_at(turned: Axes, x: float, keel: float, f: Vector, force: Numbers) -> No
     """
     ahead, right, down = turned
     along, aside, below = dot(f, ahead), dot(f, right), dot(f, down)
-    force[0] += along
-    force[1] += aside
-    force[2] += below
-    force[3] -= keel * aside
-    force[4] += keel * along - x * below
-    force[5] += x * aside
+    force[AXIAL] += along
+    force[LATERAL] += aside
+    force[NORMAL] += below
+    force[ROLLING] -= keel * aside
+    force[PITCHING] += keel * along - x * below
+    force[YAWING] += x * aside
 
 
 @part
@@ -152,12 +164,12 @@ def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force
     free = -holding(vessel, scheme, state)
     for i in range(SOUNDINGS):
         x = PLACES[i] * vessel[0].ell
-        z = s.z + x * ahead[2] + keel * down[2]
-        if z - s.bottom[0, i] <= free:
+        z = s.z + x * ahead[DOWN] + keel * down[DOWN]
+        if z - s.bottom[GROUND_DEPTH, i] <= free:
             continue
-        north, east = s.bottom[1, i], s.bottom[2, i]
+        north, east = s.bottom[GROUND_NORTH, i], s.bottom[GROUND_EAST, i]
         norm = 1.0 / math.sqrt(1.0 + north * north + east * east)
-        p = (z - s.bottom[0, i]) * norm
+        p = (z - s.bottom[GROUND_DEPTH, i]) * norm
         n = (north * norm, east * norm, -norm)
         v = over_ground(state, turned, x, keel, z)
         load = carried(vessel, scheme, state, p, dot(v, n))

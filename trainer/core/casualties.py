@@ -18,7 +18,7 @@ import numpy as np
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, PUMPED, PUMPS
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import GAUGE_NOISE, SOUNDER_NOISE, gaussian
-from trainer.core.state import SOUNDINGS, STATE, VALVES
+from trainer.core.state import GROUND_DEPTH, SOUNDINGS, STATE, VALVES
 from trainer.core.surfaces import SURFACES
 
 SURFACE_FAULTS: Final = ("slow", "follow-up-lost", "free", "hard-over", "stuck")
@@ -27,6 +27,8 @@ GAUGES: Final = ("depth-gauge", "gyro", "log", "sounder")
 DEPTH_GAUGE, GYRO, LOG, SOUNDER = 0, 1, 2, 3
 GAUGE_FAULTS: Final = ("noisy", "biased", "stuck")
 NOISY, BIASED, GAUGE_STUCK = 0, 1, 2
+FREE_SLOT: Final = 0  # kind in a slot that holds none
+FIRST_SLOT, NO_SLOT = 0, -1  # of a casualty; those in use come first
 SOUNDER_RANGE: Final = 600.0  # [m] to the ground from which it hears an echo
 # Of two faults on one surface or gauge only the one that is later in these lists acts.
 
@@ -101,30 +103,30 @@ AUTOPILOT_FAILED: Final = CODES["autopilot-failed"]
 
 @part
 def slot_of(kind: int, state: Record) -> int:
-    """Return the slot [-] that holds ``kind``, -1 if none does.
+    """Return the slot [-] that holds ``kind``, NO_SLOT if none does.
 
-    For kind 0 it is the first free slot.
+    For FREE_SLOT it is the first free slot.
     """
     s = state[0]
     for i in range(s.casualty.size):
         if s.casualty[i] == kind:
             return i
-        if s.casualty[i] == 0.0:
-            return -1
-    return -1
+        if s.casualty[i] == FREE_SLOT:
+            return NO_SLOT
+    return NO_SLOT
 
 
 @part
 def fault_of(surface: int, state: Record) -> int:
     """Return the slot [-] of the casualty that acts on a surface.
 
-    It is -1 if the surface is sound.
+    It is NO_SLOT if the surface is sound.
     """
     s = state[0]
-    slot, latest = -1, -1
+    slot, latest = NO_SLOT, -1
     for i in range(s.casualty.size):
         kind = int(s.casualty[i])
-        if kind == 0:
+        if kind == FREE_SLOT:
             return slot
         if SURFACE[kind] == surface and FAULT[kind] > latest:
             slot, latest = i, FAULT[kind]
@@ -152,8 +154,8 @@ def leave(slot: int, state: Record) -> None:
         s.casualty_amount[i] = s.casualty_amount[i + 1]
         s.casualty_target[i] = s.casualty_target[i + 1]
         s.casualty_ticks[i] = s.casualty_ticks[i + 1]
-    s.casualty[last] = s.casualty_amount[last] = 0.0
-    s.casualty_target[last] = s.casualty_ticks[last] = 0.0
+    s.casualty[last] = FREE_SLOT
+    s.casualty_amount[last] = s.casualty_target[last] = s.casualty_ticks[last] = 0.0
 
 
 @kernel
@@ -180,7 +182,7 @@ def ramp(slot: int, state: Record) -> None:
 def advance_casualties(state: Record) -> None:
     """Advance all ramps by one tick, then write the faults of tanks and air."""
     s = state[0]
-    if s.casualty[0] == 0.0:
+    if s.casualty[FIRST_SLOT] == FREE_SLOT:
         return
     for i in range(s.casualty.size - 1, -1, -1):  # last first: leaving moves the later ones up
         if s.casualty_ticks[i] == -1.0:
@@ -188,7 +190,7 @@ def advance_casualties(state: Record) -> None:
         elif s.casualty_ticks[i] != 0.0:
             ramp(i, state)
     for i in range(s.casualty.size):
-        if s.casualty[i] != 0.0:
+        if s.casualty[i] != FREE_SLOT:
             write_fault(int(s.casualty[i]), s.casualty_amount[i], state)
 
 
@@ -196,8 +198,8 @@ def advance_casualties(state: Record) -> None:
 def sounding(state: Record) -> float:
     """Return how far [m] the ground is below the origin, 0 without an echo."""
     s = state[0]
-    height = s.bottom[0, SOUNDINGS // 2] - s.z
-    return height if s.bottom[0, 0] != 0.0 and 0.0 < height <= SOUNDER_RANGE else 0.0
+    height = s.bottom[GROUND_DEPTH, SOUNDINGS // 2] - s.z
+    return height if s.bottom[GROUND_DEPTH, 0] != 0.0 and 0.0 < height <= SOUNDER_RANGE else 0.0
 
 
 @kernel
@@ -271,7 +273,7 @@ def begin(kind: int, amount: float, ticks: float, state: Record) -> int:
     s = state[0]
     slot = slot_of(kind, state)
     if slot < 0:
-        slot = slot_of(0, state)
+        slot = slot_of(FREE_SLOT, state)
         if slot < 0:
             return 0
         s.casualty[slot] = kind

@@ -12,6 +12,7 @@ from trainer.core.full import mass
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.kinematics import pitch_roll_cosine, pitch_roll_sine
 from trainer.core.propulsion import thrust
+from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 
 @part
@@ -34,7 +35,7 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
     athwart, below = cos_th * sin_phi, cos_th * cos_phi
     ahead, aside, down = v * r - w * q, w * p - u * r, u * q - v * p  # -(omega x velocity)
 
-    force[0] = (
+    force[AXIAL] = (
         m * ahead
         + m_x * (q * q + r * r)
         - m_z * r * p
@@ -48,14 +49,14 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + thrust(compact, state)
         - heavy * sin_th
     )
-    force[1] = (
+    force[LATERAL] = (
         m * aside
         - q * (m_z * r + m_x * p)
         + u * (c.Y_r * r + c.Y_p * p + c.Y_v * v + c.Y_dr * u_dr)
         + c.Y_vav * v_cross
         + heavy * athwart
     )
-    force[2] = (
+    force[NORMAL] = (
         m * down
         + m_z * (p * p + q * q)
         - m_x * r * p
@@ -66,10 +67,10 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + c.Z_waw * w * cross
         + heavy * below
     )
-    force[3] = (
+    force[ROLLING] = (
         u * (c.K_p * p + c.K_v * v) + c.K_vav * v_cross - c.T4 * (m_z * aside + righting * athwart)
     )
-    force[4] = (
+    force[PITCHING] = (
         u * (c.M_q * q + c.M_w * w)
         + u * u * (c.M_star + c.M_ds * s.delta_s + c.M_db * s.delta_b)
         + r * (c.M_rp * p + c.M_rr * r + c.M_vr * v)
@@ -77,7 +78,7 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + cross * (c.M_awq * q + c.M_waw * w)
         + c.T5 * (m_z * ahead - m_x * down - tilting * below - righting * sin_th)
     )
-    force[5] = (
+    force[YAWING] = (
         u * (c.N_p * p + c.N_r * r + c.N_v * v + c.N_dr * u_dr)
         + c.N_pq * p * q
         + c.N_vav * v_cross
@@ -95,24 +96,24 @@ def further_forces(compact: Record, state: Record, force: Numbers) -> None:
     s = state[0]
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     cross = math.sqrt(v * v + w * w)
-    force[0] += (
+    force[AXIAL] += (
         v * (c.X_vr * r + c.X_vv * v)
         + w * (c.X_wq * q + c.X_ww * w)
         + r * (c.X_rr * r + c.X_rp * p)
         + c.X_qq * q * q
     )
-    force[1] += q * (c.Y_pq * p + c.Y_qr * r + c.Y_vq * v) + w * (
+    force[LATERAL] += q * (c.Y_pq * p + c.Y_qr * r + c.Y_vq * v) + w * (
         c.Y_wp * p + c.Y_wr * r + c.Y_vw * v
     )
-    force[2] += p * (c.Z_pp * p + c.Z_rp * r + c.Z_vp * v)
-    force[3] += (
+    force[NORMAL] += p * (c.Z_pp * p + c.Z_rp * r + c.Z_vp * v)
+    force[ROLLING] += (
         q * (c.K_pq * p + c.K_qr * r + c.K_vq * v)
         + w * (c.K_wp * p + c.K_wr * r + c.K_vw * v)
         + u * (c.K_r * r + c.K_star * u)
         + c.K_pap * p * abs(p)
     )
-    force[4] += p * (c.M_pp * p + c.M_vp * v) + c.M_qaq * q * abs(q)
-    force[5] += (
+    force[PITCHING] += p * (c.M_pp * p + c.M_vp * v) + c.M_qaq * q * abs(q)
+    force[YAWING] += (
         q * (c.N_qr * r + c.N_vq * v)
         + w * (c.N_wp * p + c.N_wr * r + c.N_vw * v)
         + r * (c.N_rar * abs(r) + c.N_avr * cross)
@@ -138,18 +139,20 @@ def off_centre_forces(compact: Record, trig: int, state: Record, force: Numbers)
     cos_th = pitch_roll_cosine(trig, s.theta)
     athwart, below = cos_th * pitch_roll_sine(trig, s.phi), cos_th * pitch_roll_cosine(trig, s.phi)
     heeling = s.y_g * s.weight - c.YB
-    force[0] -= m_y * p * q
-    force[1] += m_y * (r * r + p * p)
-    force[2] -= m_y * r * q
-    force[3] += c.T4 * (
+    force[AXIAL] -= m_y * p * q
+    force[LATERAL] += m_y * (r * r + p * p)
+    force[NORMAL] -= m_y * r * q
+    force[ROLLING] += c.T4 * (
         c.I_xz * p * q
         - c.I_yz * (r * r - q * q)
         - c.I_xy * p * r
         + m_y * (s.u * q - s.v * p)
         + heeling * below
     )
-    force[4] += c.T5 * (c.I_xy * q * r - c.I_xz * (p * p - r * r) - c.I_yz * q * p + c.XB * below)
-    force[5] += c.T6 * (
+    force[PITCHING] += c.T5 * (
+        c.I_xy * q * r - c.I_xz * (p * p - r * r) - c.I_yz * q * p + c.XB * below
+    )
+    force[YAWING] += c.T6 * (
         c.I_yz * r * p
         - c.I_xy * (q * q - p * p)
         - c.I_xz * r * q
@@ -163,12 +166,12 @@ def off_centre_forces(compact: Record, trig: int, state: Record, force: Numbers)
 def add_external(compact: Record, external: Numbers, force: Numbers) -> None:
     """Add forces [N] and moments [N m] from outside."""
     c = compact[0]
-    force[0] += external[0]
-    force[1] += external[1]
-    force[2] += external[2]
-    force[3] += external[3] * c.T4
-    force[4] += external[4] * c.T5
-    force[5] += external[5] * c.T6
+    force[AXIAL] += external[AXIAL]
+    force[LATERAL] += external[LATERAL]
+    force[NORMAL] += external[NORMAL]
+    force[ROLLING] += external[ROLLING] * c.T4
+    force[PITCHING] += external[PITCHING] * c.T5
+    force[YAWING] += external[YAWING] * c.T6
 
 
 @part
@@ -182,12 +185,14 @@ def lagged_rates(compact: Record, force: Numbers, state: Record) -> None:
     s = state[0]
     m = mass(compact, state)
     m_x, m_z = m * s.x_g, m * s.z_g
-    s.udot = (force[0] - m_z * s.qdot) / (m - c.X_udot)
-    s.vdot = (force[1] + (m_z + c.Y_pdot) * s.pdot + (c.Y_rdot - m_x) * s.rdot) / (m - c.Y_vdot)
-    s.wdot = (force[2] + (m_x + c.Z_qdot) * s.qdot) / (m - c.Z_wdot)
-    s.pdot = force[3] + (m_z * c.T4 + c.K_vdot) * s.vdot + c.K_rdot * s.rdot
-    s.qdot = force[4] + (m_x * c.T5 + c.M_wdot) * s.wdot - m_z * c.T5 * s.udot
-    s.rdot = force[5] + (c.N_vdot - m_x * c.T6) * s.vdot + c.N_pdot * s.pdot
+    s.udot = (force[AXIAL] - m_z * s.qdot) / (m - c.X_udot)
+    s.vdot = (force[LATERAL] + (m_z + c.Y_pdot) * s.pdot + (c.Y_rdot - m_x) * s.rdot) / (
+        m - c.Y_vdot
+    )
+    s.wdot = (force[NORMAL] + (m_x + c.Z_qdot) * s.qdot) / (m - c.Z_wdot)
+    s.pdot = force[ROLLING] + (m_z * c.T4 + c.K_vdot) * s.vdot + c.K_rdot * s.rdot
+    s.qdot = force[PITCHING] + (m_x * c.T5 + c.M_wdot) * s.wdot - m_z * c.T5 * s.udot
+    s.rdot = force[YAWING] + (c.N_vdot - m_x * c.T6) * s.vdot + c.N_pdot * s.pdot
 
 
 @kernel

@@ -8,6 +8,7 @@ Each strip takes energy from the boat.
 import math
 
 from trainer.core.kernel import Numbers, Record, part
+from trainer.core.state import LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 
 @part
@@ -22,10 +23,10 @@ def add_hull_strips(vessel: Record, state: Record, force: Numbers) -> None:
         aside, down = s.v + x * s.r, s.w - x * s.q
         speed = math.sqrt(aside * aside + down * down)
         lateral, normal = -c.crossflow_Y[i] * speed * aside, -c.crossflow_Z[i] * speed * down
-        force[1] += lateral
-        force[2] += normal
-        force[4] -= x * normal
-        force[5] += x * lateral
+        force[LATERAL] += lateral
+        force[NORMAL] += normal
+        force[PITCHING] -= x * normal
+        force[YAWING] += x * lateral
 
 
 @part
@@ -37,12 +38,12 @@ def add_tail_and_sail(vessel: Record, dry: float, state: Record, force: Numbers)
     c, s = vessel[0], state[0]
     aside, down = s.v + c.tail_x * s.r, s.w - c.tail_x * s.q
     lateral, normal = -c.tail_Y * abs(aside) * aside, -c.tail_Z * abs(down) * down
-    force[1] += lateral
-    force[2] += normal
-    force[4] -= c.tail_x * normal
-    force[5] += c.tail_x * lateral
+    force[LATERAL] += lateral
+    force[NORMAL] += normal
+    force[PITCHING] -= c.tail_x * normal
+    force[YAWING] += c.tail_x * lateral
     aside = s.v + c.strip_x * s.r - c.strip_z * s.p
     lateral = -(1.0 - dry) * c.strip_Y * math.sqrt(aside * aside + s.w * s.w) * aside
-    force[1] += lateral
-    force[3] -= c.strip_z * lateral
-    force[5] += c.strip_x * lateral
+    force[LATERAL] += lateral
+    force[ROLLING] -= c.strip_z * lateral
+    force[YAWING] += c.strip_x * lateral

@@ -12,6 +12,15 @@ from typing import Final
 from trainer.core.kernel import Field, Record, part
 
 INSIDE, EXTRAPOLATED, OUTSIDE = 0, 1, 2
+# rows and columns of thrust_astern, by u and the command speed
+TURNING_ASTERN, TURNING_AHEAD = 0, 1
+BY_U_U, BY_U_UC, BY_UC_UC = 0, 1, 2
+# rows and columns of torque, by the revolutions n and the flow u/D
+AHEAD, STOPPING, ASTERN = 0, 1, 2
+BY_N_N, BY_N_FLOW, BY_FLOW_FLOW = 0, 1, 2
+# columns of the linear viscous forces
+BY_V, BY_P, BY_R = 0, 1, 2  # of lateral
+BY_W, BY_Q = 0, 1  # of vertical
 
 ENVELOPE_FIELDS: Final[tuple[Field, ...]] = (
     # range: squares of the tangent of the angle of flow

@@ -10,6 +10,7 @@ import math
 from trainer.core.kernel import Numbers, Record, kernel
 from trainer.core.kinematics import pitch_roll_cosine, pitch_roll_sine
 from trainer.core.propulsion import excess_eta, thrust
+from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 
 @kernel
@@ -213,12 +214,12 @@ def yawing_moment(vessel: Record, trig: int, state: Record) -> float:
 @kernel
 def forces(vessel: Record, trig: int, state: Record, force: Numbers) -> None:
     """Write X Y Z [N] K M N [N m] to ``force``."""
-    force[0] = axial_force(vessel, trig, state)
-    force[1] = lateral_force(vessel, trig, state)
-    force[2] = normal_force(vessel, trig, state)
-    force[3] = rolling_moment(vessel, trig, state)
-    force[4] = pitching_moment(vessel, trig, state)
-    force[5] = yawing_moment(vessel, trig, state)
+    force[AXIAL] = axial_force(vessel, trig, state)
+    force[LATERAL] = lateral_force(vessel, trig, state)
+    force[NORMAL] = normal_force(vessel, trig, state)
+    force[ROLLING] = rolling_moment(vessel, trig, state)
+    force[PITCHING] = pitching_moment(vessel, trig, state)
+    force[YAWING] = yawing_moment(vessel, trig, state)
 
 
 @kernel

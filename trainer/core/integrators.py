@@ -4,7 +4,6 @@ Controls are held over the step. [ASSES] III-B, errata D1-D10.
 """
 
 from trainer.core.attitude import (
-    PHI,
     bring_within,
     forget_rates,
     is_beyond,
@@ -22,8 +21,9 @@ from trainer.core.scheme import (
     RUNGE_KUTTA,
     VARIABLE_RUNGE_KUTTA,
 )
-from trainer.core.state import HISTORY
+from trainer.core.state import HISTORY, PHI, PSI, THETA, P, Q, R
 
+NOW, BEFORE = 0, 1  # places in a method's weights: this cycle's, and the last one's
 SMALLEST, LARGEST = 0.05, 2.0  # [s] variable step, [ASSES] III-B
 TOLERANCE = 1e-3  # of each variable's largest value
 FLOOR = 0.01  # [m/s], [rad/s], [rad], [m] least value that a largest one counts as
@@ -93,7 +93,7 @@ def adams_of(scheme: Record, terms: int, state: Record) -> None:
     how = scheme[0]
     s = state[0]
     remember(state)
-    h, now, before = how.h, how.b[0], how.b[1]
+    h, now, before = how.h, how.b[NOW], how.b[BEFORE]
     if terms == 2:
         for i in range(12):
             s.motion[i] += h * (now * s.rates[i] + before * s.past_rates[0, i])
@@ -192,10 +192,10 @@ def turn_from_start(share: float, turn: Numbers, state: Record, scratch: Record)
 
     It is turned for ``share`` [s] at ``turn`` [rad/s].
     """
-    start = scratch[0].start[PHI : PHI + 3]
-    along = (share * turn[0], share * turn[1], share * turn[2])
+    start = scratch[0].start
+    along = (share * turn[P], share * turn[Q], share * turn[R])
     s = state[0]
-    s.phi, s.theta, s.psi = turned(start[0], start[1], start[2], along)
+    s.phi, s.theta, s.psi = turned(start[PHI], start[THETA], start[PSI], along)
 
 
 @kernel

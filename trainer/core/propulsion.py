@@ -4,6 +4,19 @@ import math
 
 from trainer.core.casualties import PROPULSION_LOST, PROPULSION_STUCK, slot_of
 from trainer.core.elementary import exponential
+from trainer.core.envelope import (
+    AHEAD,
+    ASTERN,
+    BY_FLOW_FLOW,
+    BY_N_FLOW,
+    BY_N_N,
+    BY_U_U,
+    BY_U_UC,
+    BY_UC_UC,
+    STOPPING,
+    TURNING_AHEAD,
+    TURNING_ASTERN,
+)
 from trainer.core.kernel import Record, kernel, part
 
 
@@ -37,8 +50,8 @@ def thrust(vessel: Record, state: Record) -> float:
 def thrust_astern(vessel: Record, state: Record) -> float:
     """Return thrust less axial drag [N] going astern, by the propeller's other two quadrants."""
     s = state[0]
-    row = vessel[0].thrust_astern[0 if s.u_c < 0.0 else 1]
-    return s.u * (row[0] * s.u + row[1] * s.u_c) + row[2] * s.u_c * s.u_c
+    row = vessel[0].thrust_astern[TURNING_ASTERN if s.u_c < 0.0 else TURNING_AHEAD]
+    return s.u * (row[BY_U_U] * s.u + row[BY_U_UC] * s.u_c) + row[BY_UC_UC] * s.u_c * s.u_c
 
 
 @kernel
@@ -74,9 +87,9 @@ def most_revolutions(vessel: Record, way: int, flow: float) -> float:
     """
     c = vessel[0]
     q = c.torque[way]
-    half, rest = 0.5 * q[1] * flow, q[2] * flow * flow - c.torque_limit
-    square = half * half - q[0] * rest
-    return max((math.sqrt(square) - half) / q[0], 0.0) if square > 0.0 else 0.0
+    half, rest = 0.5 * q[BY_N_FLOW] * flow, q[BY_FLOW_FLOW] * flow * flow - c.torque_limit
+    square = half * half - q[BY_N_N] * rest
+    return max((math.sqrt(square) - half) / q[BY_N_N], 0.0) if square > 0.0 else 0.0
 
 
 @part
@@ -85,10 +98,10 @@ def within_torque(vessel: Record, wanted: float, state: Record) -> float:
     c = vessel[0]
     u = state[0].u
     if wanted > max(u, 0.0):
-        most = most_revolutions(vessel, 0, max(u, 0.0) / c.screw) / c.turns
+        most = most_revolutions(vessel, AHEAD, max(u, 0.0) / c.screw) / c.turns
         return min(wanted, max(most, u))
     if wanted < min(u, 0.0):
-        way = 1 if u >= 0.0 else 2
+        way = STOPPING if u >= 0.0 else ASTERN
         return max(wanted, -most_revolutions(vessel, way, abs(u) / c.screw) / c.turns)
     return wanted
 

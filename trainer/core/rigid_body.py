@@ -3,6 +3,7 @@
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.full import mass
 from trainer.core.kernel import Numbers, Record, part
+from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 
 @part
@@ -17,15 +18,15 @@ def body_forces(vessel: Record, state: Record, force: Numbers) -> None:
     ahead, aside, down = s.v * r - s.w * q, s.w * p - s.u * r, s.u * q - s.v * p
     spin = p * s.x_g + q * s.y_g + r * s.z_g
     square = p * p + q * q + r * r
-    force[0] = m * (ahead + s.x_g * square - p * spin)
-    force[1] = m * (aside + s.y_g * square - q * spin)
-    force[2] = m * (down + s.z_g * square - r * spin)
+    force[AXIAL] = m * (ahead + s.x_g * square - p * spin)
+    force[LATERAL] = m * (aside + s.y_g * square - q * spin)
+    force[NORMAL] = m * (down + s.z_g * square - r * spin)
     roll = c.I_x * p - c.I_xy * q - c.I_xz * r
     pitch = c.I_y * q - c.I_xy * p - c.I_yz * r
     yaw = c.I_z * r - c.I_xz * p - c.I_yz * q
-    force[3] = m * (s.y_g * down - s.z_g * aside) + r * pitch - q * yaw
-    force[4] = m * (s.z_g * ahead - s.x_g * down) + p * yaw - r * roll
-    force[5] = m * (s.x_g * aside - s.y_g * ahead) + q * roll - p * pitch
+    force[ROLLING] = m * (s.y_g * down - s.z_g * aside) + r * pitch - q * yaw
+    force[PITCHING] = m * (s.z_g * ahead - s.x_g * down) + p * yaw - r * roll
+    force[YAWING] = m * (s.x_g * aside - s.y_g * ahead) + q * roll - p * pitch
 
 
 @part
@@ -39,9 +40,9 @@ def add_weight(vessel: Record, state: Record, force: Numbers) -> None:
     x = s.x_g * s.weight - c.x_b * c.buoyancy
     y = s.y_g * s.weight - c.y_b * c.buoyancy
     z = s.z_g * s.weight - c.z_b * c.buoyancy
-    force[0] += heavy * down_x
-    force[1] += heavy * down_y
-    force[2] += heavy * down_z
-    force[3] += y * down_z - z * down_y
-    force[4] += z * down_x - x * down_z
-    force[5] += x * down_y - y * down_x
+    force[AXIAL] += heavy * down_x
+    force[LATERAL] += heavy * down_y
+    force[NORMAL] += heavy * down_z
+    force[ROLLING] += y * down_z - z * down_y
+    force[PITCHING] += z * down_x - x * down_z
+    force[YAWING] += x * down_y - y * down_x

@@ -1,6 +1,10 @@
 """Accelerations from forces: the exact solve (EVAL) and the lagged sweep (EVAL 1)."""
 
+from typing import Final
+
 from trainer.core.kernel import Numbers, kernel
+
+EQUATIONS: Final = 6  # and the column of their right side
 
 
 @kernel
@@ -43,8 +47,8 @@ def exact(inertia: Numbers, force: Numbers, system: Numbers, out: Numbers) -> No
     for i in range(6):
         for j in range(6):
             system[i, j] = inertia[i, j]
-        system[i, 6] = force[i]
-    solve(system, 6, out)
+        system[i, EQUATIONS] = force[i]
+    solve(system, EQUATIONS, out)
 
 
 @kernel

@@ -11,9 +11,11 @@ from typing import Final
 from trainer.core.bottom import PLACES
 from trainer.core.elementary import cosine, cosine_and_sine
 from trainer.core.kernel import Numbers, Record, part
-from trainer.core.state import SOUNDINGS
+from trainer.core.state import GROUND_DEPTH, GROUND_EAST, GROUND_NORTH, SOUNDINGS
 
 SOUTH, WEST, ALONG, ACROSS, ENDS, ROWS, COLUMNS, FIRST = 0, 1, 2, 3, 4, 5, 6, 7  # of a chart
+EASTWARD: Final = 1  # depths from a sample to the next one in its row
+PLANE_WIDTH: Final = 2  # depths in a row of a plane's cell
 SHALLOWEST: Final = 1e-9  # [m] instead of 0, which would be no ground at all
 DISTANT: Final = 250.0  # [m] under the boat
 SELDOM: Final = 15  # [-] a power of two less one
@@ -26,15 +28,16 @@ def sound_in(chart: Numbers, cell: Cell, i: float, j: float, place: int, state: 
     """Write depth and slopes at ``i`` rows and ``j`` columns of a chart."""
     s = state[0]
     width = int(chart[COLUMNS])
-    at = FIRST + cell[0] * width + cell[1]
-    a, b = i - cell[0], j - cell[1]
+    row, column = cell
+    at = FIRST + row * width + column
+    a, b = i - row, j - column
     near, far = chart[at], chart[at + width]
-    right, beyond = chart[at + 1] - near, chart[at + width + 1] - far
+    right, beyond = chart[at + EASTWARD] - near, chart[at + width + EASTWARD] - far
     near, up = near + b * right, far - near + b * (beyond - right)
     depth = near + a * up
-    s.bottom[0, place] = depth if depth != 0.0 else SHALLOWEST
-    s.bottom[1, place] = chart[ALONG] * up
-    s.bottom[2, place] = chart[ACROSS] * (right + a * (beyond - right))
+    s.bottom[GROUND_DEPTH, place] = depth if depth != 0.0 else SHALLOWEST
+    s.bottom[GROUND_NORTH, place] = chart[ALONG] * up
+    s.bottom[GROUND_EAST, place] = chart[ACROSS] * (right + a * (beyond - right))
 
 
 @part
@@ -46,20 +49,20 @@ def sound_at_edge(chart: Numbers, i: float, j: float, place: int, state: Record)
     cell = int(min(row, rows - 2.0)), int(min(column, columns - 2.0))
     sound_in(chart, cell, row, column, place, state)
     if row != i:
-        s.bottom[1, place] = 0.0
+        s.bottom[GROUND_NORTH, place] = 0.0
     if column != j:
-        s.bottom[2, place] = 0.0
+        s.bottom[GROUND_EAST, place] = 0.0
 
 
 @part
 def sound_plane(chart: Numbers, i: float, j: float, place: int, state: Record) -> None:
     """Write depth and slopes of a plane, whose chart is a cell of it."""
     s = state[0]
-    up, right = chart[FIRST + 2] - chart[FIRST], chart[FIRST + 1] - chart[FIRST]
+    up, right = chart[FIRST + PLANE_WIDTH] - chart[FIRST], chart[FIRST + EASTWARD] - chart[FIRST]
     depth = chart[FIRST] + i * up + j * right
-    s.bottom[0, place] = depth if depth != 0.0 else SHALLOWEST
-    s.bottom[1, place] = chart[ALONG] * up
-    s.bottom[2, place] = chart[ACROSS] * right
+    s.bottom[GROUND_DEPTH, place] = depth if depth != 0.0 else SHALLOWEST
+    s.bottom[GROUND_NORTH, place] = chart[ALONG] * up
+    s.bottom[GROUND_EAST, place] = chart[ACROSS] * right
 
 
 @part
@@ -69,7 +72,9 @@ def sound(vessel: Record, chart: Numbers, state: Record) -> None:
     Where it is DISTANT only one tick of SELDOM does: no boat makes more way than that in between.
     """
     s = state[0]
-    distant = s.bottom[0, 0] != 0.0 and s.bottom[0, SOUNDINGS // 2] - s.z > DISTANT
+    distant = (
+        s.bottom[GROUND_DEPTH, 0] != 0.0 and s.bottom[GROUND_DEPTH, SOUNDINGS // 2] - s.z > DISTANT
+    )
     if distant and int(s.tick) & SELDOM != 0:
         return
     cos_psi, sin_psi = cosine_and_sine(s.psi)

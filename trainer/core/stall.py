@@ -6,6 +6,7 @@ others. Where the file gives no angle, nothing stalls.
 """
 
 from trainer.core.kernel import Numbers, Record, part
+from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 
 @part
@@ -44,9 +45,9 @@ def write_stalled(vessel: Record, outer: Numbers, state: Record, out: Numbers) -
     c = vessel[0]
     rudder = lost_lift(vessel, 0, state)
     stern, bow = lost_lift(vessel, 1, state), lost_lift(vessel, 2, state)
-    out[0] = outer[0]
-    out[1] = outer[1] - c.Y_dr * rudder
-    out[2] = outer[2] - c.Z_ds * stern - c.Z_db * bow
-    out[3] = outer[3] - c.K_dr * rudder
-    out[4] = outer[4] - c.M_ds * stern - c.M_db * bow
-    out[5] = outer[5] - c.N_dr * rudder
+    out[AXIAL] = outer[AXIAL]
+    out[LATERAL] = outer[LATERAL] - c.Y_dr * rudder
+    out[NORMAL] = outer[NORMAL] - c.Z_ds * stern - c.Z_db * bow
+    out[ROLLING] = outer[ROLLING] - c.K_dr * rudder
+    out[PITCHING] = outer[PITCHING] - c.M_ds * stern - c.M_db * bow
+    out[YAWING] = outer[YAWING] - c.N_dr * rudder

@@ -18,6 +18,10 @@ from trainer.core.kernel import Field, Record, record_dtype
 MOTION: Final = ["u", "v", "w", "p", "q", "r", "phi", "theta", "psi", "x", "y", "z"]
 # time derivatives of the above; those of the last cycle until this one has computed its own
 RATES: Final = [f"{name}dot" for name in MOTION]
+PHI, THETA, PSI = 6, 7, 8  # places in them
+P, Q, R = 0, 1, 2  # places in a turn about the body's axes
+AXIAL, LATERAL, NORMAL = 0, 1, 2  # places in forces and accelerations: X, Y, Z
+ROLLING, PITCHING, YAWING = 3, 4, 5  # K, M, N
 
 HISTORY: Final = 3  # past cycles an integrator may look back on, beside the last
 
@@ -34,6 +38,7 @@ SEA_QUANTITIES: Final = [
 ]
 SEA_COMPONENTS: Final = 50
 SOUNDINGS: Final = 5  # places along the hull where the ground below it is looked at
+GROUND_DEPTH, GROUND_NORTH, GROUND_EAST = 0, 1, 2  # rows of soundings: depth, its slopes
 STRIPS: Final = 7  # of the hull, on which waves push
 STRIP_ROWS: Final = 96  # wave numbers beside 0 at which their sums are tabulated
 CASUALTIES: Final = 8  # at a time

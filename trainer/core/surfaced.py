@@ -13,6 +13,7 @@ from typing import Final
 from trainer.core.ballast.buoyancy import segment
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 HUMP: Final = 0.5  # [-] Froude number from which wave resistance grows by u^2 alone, an estimate
 
@@ -119,15 +120,15 @@ def add_waterplane(vessel: Record, scratch: Record, state: Record, force: Number
     down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
     z = heavy * c.hull_axis
     square = min(s.u * s.u, HUMP * HUMP * c.g * c.ell)
-    force[0] += heavy * down_x
-    force[0] -= c.wave_drag * min(above / 0.05, 1.0) * square * square * s.u * abs(s.u)
-    force[1] += heavy * down_y
-    force[2] += heavy * down_z
-    force[3] -= z * down_y
-    force[4] += z * down_x - x * down_z
-    force[5] += x * down_y
-    force[3] += heavy * c.y_b * down_z
-    force[5] -= heavy * c.y_b * down_x
+    force[AXIAL] += heavy * down_x
+    force[AXIAL] -= c.wave_drag * min(above / 0.05, 1.0) * square * square * s.u * abs(s.u)
+    force[LATERAL] += heavy * down_y
+    force[NORMAL] += heavy * down_z
+    force[ROLLING] -= z * down_y
+    force[PITCHING] += z * down_x - x * down_z
+    force[YAWING] += x * down_y
+    force[ROLLING] += heavy * c.y_b * down_z
+    force[YAWING] -= heavy * c.y_b * down_x
 
 
 @part

@@ -6,6 +6,7 @@ from trainer.core.solve import solve
 
 STERN, BOTH = 0, 1  # by stern planes and angle of attack; or level, by both pairs of planes
 
+UNKNOWNS = 7  # and the column of the right side
 ROUNDS = 50
 NUDGE = 1e-6  # [m/s] or [rad] for the difference quotients
 SETTLED = 1e-13  # [m/s2], [rad/s2], [m/s]
@@ -73,11 +74,11 @@ def trim(
                 slope += abs(jacobian[row, column])
             if slope == 0.0:  # masked: there is nothing to bring to zero
                 jacobian[row, row] = 1.0
-            jacobian[row, 7] = -residual(state, row)
-            worst = max(worst, abs(jacobian[row, 7]))
+            jacobian[row, UNKNOWNS] = -residual(state, row)
+            worst = max(worst, abs(jacobian[row, UNKNOWNS]))
         if worst < SETTLED:
             return 1
-        solve(jacobian, 7, change)
+        solve(jacobian, UNKNOWNS, change)
         for column in range(7):
             nudge(state, by, column, change[column])
     return 1 if worst < 1e3 * SETTLED else 0

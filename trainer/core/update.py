@@ -22,7 +22,7 @@ from trainer.core.propulsion import answer_telegraph
 from trainer.core.sea.forces import wave_forces
 from trainer.core.sea.free_surface import surface_forces
 from trainer.core.sea.sea import advance_sea
-from trainer.core.state import HISTORY, MOTION, RATES
+from trainer.core.state import GROUND_DEPTH, HISTORY, MOTION, RATES
 from trainer.core.surfaced import is_cut, is_near_surface
 
 X: Final = MOTION.index("x")  # y follows
@@ -105,7 +105,7 @@ def outside(vessel: Record, scheme: Record, state: Record, scratch: Record) -> N
     wave_forces(vessel, scratch, state, work.external)
     surface_forces(vessel, state, work.external)
     add_compression(vessel, state, work.external)
-    if s.bottom[0, 0] != 0.0:
+    if s.bottom[GROUND_DEPTH, 0] != 0.0:
         bottom_forces(vessel, scheme, state, work.external)
     for i in range(6):
         if s.ship_force[i] != 0.0:

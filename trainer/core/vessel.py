@@ -26,6 +26,24 @@ GAINS: Final = [
     *("rudder_course", "rudder_yaw_rate", "rudder_sway", "rudder_integral"),
     *("depth_rate", "depth_acceleration", "course_rate", "course_acceleration"),
 ]
+# places in a row of gains: where those of a pair of planes begin, and from there on
+STERN_GAINS: Final = GAINS.index("stern_depth")
+PLANE_COUNT: Final = len(PLANE_GAINS)
+DEPTH_GAIN: Final = PLANE_GAINS.index("depth")
+DEPTH_RATE_GAIN: Final = PLANE_GAINS.index("depth_rate")
+PITCH_GAIN: Final = PLANE_GAINS.index("pitch")
+PITCH_RATE_GAIN: Final = PLANE_GAINS.index("pitch_rate")
+INTEGRAL_GAIN: Final = PLANE_GAINS.index("integral")
+RELIEF_GAIN: Final = PLANE_GAINS.index("relief")
+# the rudder's
+COURSE_GAIN: Final = GAINS.index("rudder_course")
+YAW_RATE_GAIN: Final = GAINS.index("rudder_yaw_rate")
+SWAY_GAIN: Final = GAINS.index("rudder_sway")
+COURSE_INTEGRAL_GAIN: Final = GAINS.index("rudder_integral")
+# the slewing of depth and course, a rate and an acceleration each
+DEPTH_SLEW: Final = GAINS.index("depth_rate")
+SLEW_COUNT: Final = GAINS.index("course_rate") - DEPTH_SLEW
+SLEW_RATE, SLEW_ACCELERATION = 0, 1
 
 SURFACE_DEPTHS, SURFACE_SPEEDS = 8, 6  # largest tables of the calm surface's effect
 

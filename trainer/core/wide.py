@@ -9,12 +9,13 @@ import math
 
 from trainer.core import full
 from trainer.core.crossflow import add_hull_strips, add_tail_and_sail
-from trainer.core.envelope import wide_share
+from trainer.core.envelope import BY_P, BY_Q, BY_R, BY_V, BY_W, wide_share
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.propulsion import thrust, thrust_astern
 from trainer.core.rigid_body import add_weight, body_forces
 from trainer.core.scheme import LONGITUDINAL
 from trainer.core.solve import exact
+from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 from trainer.core.surfaced import dry_sail
 
 
@@ -37,12 +38,12 @@ def add_ideal_fluid(vessel: Record, dry: float, state: Record, force: Numbers) -
     roll = m24 * v + m44 * p + c.m46 * r
     pitch = c.m35 * w + c.m55 * q
     yaw = m26 * v + c.m46 * p + c.m66 * r
-    force[0] += r * aside - q * down
-    force[1] += p * down - r * along
-    force[2] += q * along - p * aside
-    force[3] += r * pitch - q * yaw + w * aside - v * down
-    force[4] += p * yaw - r * roll + u * down - w * along
-    force[5] += q * roll - p * pitch + v * along - u * aside
+    force[AXIAL] += r * aside - q * down
+    force[LATERAL] += p * down - r * along
+    force[NORMAL] += q * along - p * aside
+    force[ROLLING] += r * pitch - q * yaw + w * aside - v * down
+    force[PITCHING] += p * yaw - r * roll + u * down - w * along
+    force[YAWING] += q * roll - p * pitch + v * along - u * aside
 
 
 @part
@@ -54,15 +55,15 @@ def add_viscous(vessel: Record, state: Record, force: Numbers) -> None:
     size = abs(u)
     for row in range(3):
         d = c.lateral[way, row]
-        force[1 + 2 * row] += size * (d[0] * v + d[1] * p + d[2] * r)
+        force[LATERAL + 2 * row] += size * (d[BY_V] * v + d[BY_P] * p + d[BY_R] * r)
     for row in range(2):
         d = c.vertical[way, row]
-        force[2 + 2 * row] += size * (d[0] * w + d[1] * q)
+        force[NORMAL + 2 * row] += size * (d[BY_W] * w + d[BY_Q] * q)
     speed = math.sqrt(u * u + v * v + w * w)
-    force[2] += c.Z_star * u * u
-    force[3] += ((speed - size) * c.roll_damping + c.roll_drag * abs(p)) * p
-    force[3] += c.K_star * s.u_c * abs(s.u_c)
-    force[4] += c.M_star * u * u
+    force[NORMAL] += c.Z_star * u * u
+    force[ROLLING] += ((speed - size) * c.roll_damping + c.roll_drag * abs(p)) * p
+    force[ROLLING] += c.K_star * s.u_c * abs(s.u_c)
+    force[PITCHING] += c.M_star * u * u
 
 
 @part
@@ -84,12 +85,12 @@ def add_surfaces(vessel: Record, state: Record, force: Numbers) -> None:
     drag = 0.0
     for i in range(3):
         drag += c.plane_drag[i] * s.surface[i] * s.surface[i]
-    force[0] += s.u * abs(s.u) * drag
-    force[1] += c.Y_dr * rudder
-    force[2] += c.Z_ds * stern + c.Z_db * bow
-    force[3] += c.K_dr * rudder
-    force[4] += c.M_ds * stern + c.M_db * bow
-    force[5] += c.N_dr * rudder
+    force[AXIAL] += s.u * abs(s.u) * drag
+    force[LATERAL] += c.Y_dr * rudder
+    force[NORMAL] += c.Z_ds * stern + c.Z_db * bow
+    force[ROLLING] += c.K_dr * rudder
+    force[PITCHING] += c.M_ds * stern + c.M_db * bow
+    force[YAWING] += c.N_dr * rudder
 
 
 @kernel
@@ -107,9 +108,9 @@ def forces(vessel: Record, state: Record, force: Numbers) -> None:
     add_tail_and_sail(vessel, dry, state, force)
     add_surfaces(vessel, state, force)
     if state[0].u < 0.0:
-        force[0] += thrust_astern(vessel, state)
+        force[AXIAL] += thrust_astern(vessel, state)
     else:
-        force[0] += thrust(vessel, state)
+        force[AXIAL] += thrust(vessel, state)
 
 
 @part

@@ -13,9 +13,9 @@ from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
 from trainer.debrief.data import DebriefData
 from trainer.debrief.measures import LIMITED, limits_of
-from trainer.debrief.rehearsal import CREW
 from trainer.debrief.ships_met import shown
 from trainer.debrief.trajectory import Rows, Trajectory
+from trainer.io.recording.facts import REFERENCE_CREW
 from trainer.io.recording.recording import Noted
 from trainer.report.svg import (
     ANGLES,
@@ -300,7 +300,7 @@ def _casualties(debrief: DebriefData, ground: Ground) -> Iterator[str]:
 def _reference(debrief: DebriefData, ground: Ground) -> Iterator[str]:
     """Yield the orders of the reference crew, a row for each of its runs."""
     for run in runs_beside(debrief):
-        given = (each for each in run.trajectory.orders if each.who == CREW)
+        given = (each for each in run.trajectory.orders if each.giver == REFERENCE_CREW)
         heading = run.label.removeprefix("reference ")
         yield _strokes([each.tick * debrief.step for each in given], heading, ground)
 

@@ -32,17 +32,17 @@ from trainer.debrief.reference import (
     fly_from,
     fly_reference,
 )
-from trainer.debrief.rehearsal import CREW, Departure, fly
+from trainer.debrief.rehearsal import Departure, fly
 from trainer.debrief.scoring import Scorecard, Scored
 from trainer.debrief.ships_met import meet
 from trainer.debrief.trajectory import Trajectory, read_passage
+from trainer.io.recording.facts import REFERENCE_CREW, BranchCause, Giver
 from trainer.io.recording.queries import Excess
 from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
 from trainer.session.header import layout_of, plan_of, trainees_of
 from trainer.session.plan import Plan
 from trainer.session.world_orders import recorded_world_orders, settle_world
 
-GAP: Final = "not recorded"  # begins why a branch was begun that nobody wound back to
 ECHOES: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
 
 
@@ -59,9 +59,14 @@ class Answered:
 class Hand:
     """One that gave orders, and how many."""
 
-    who: str
+    giver: Giver
     orders: int
     refused: int
+
+    @property
+    def who(self) -> str:
+        """Return who it is, for people."""
+        return self.giver.words
 
 
 @dataclass(frozen=True)
@@ -255,7 +260,7 @@ def practice_of(plan: Plan, branches: list[Branch], branch: Branch) -> str:
         (
             f"{each.why}, to {each.tick * plan.method.step:g} s"
             for each in wound
-            if plan.judged_by_tasks and not each.why.startswith(GAP)
+            if plan.judged_by_tasks and each.cause is not BranchCause.GAP
         ),
         "",
     )
@@ -290,9 +295,9 @@ def last_tick(recording: Recording, branch: Branch) -> int:
 def hands(trajectory: Trajectory) -> tuple[Hand, ...]:
     """Return who gave orders, in the order in which they began to."""
     found = []
-    for who in dict.fromkeys(each.who for each in trajectory.orders):
-        own = [each for each in trajectory.orders if each.who == who]
-        found.append(Hand(who, len(own), sum(each.accepted is False for each in own)))
+    for giver in dict.fromkeys(each.giver for each in trajectory.orders):
+        own = [each for each in trajectory.orders if each.giver == giver]
+        found.append(Hand(giver, len(own), sum(each.accepted is False for each in own)))
     return tuple(found)
 
 
@@ -352,7 +357,7 @@ def figures(debrief: DebriefData) -> dict[str, Any]:
         "total": debrief.total,
         "deviation": deviation_of(debrief),
         "verdict": debrief.card.verdict and asdict(debrief.card.verdict),
-        "cost_most": [asdict(each) for each in debrief.costs],
+        "cost_most": [{"marks": each.marks, "told": each.told} for each in debrief.costs],
         **_compared(debrief),
         "changes": [asdict(each) | {"branch": int(each.branch)} for each in debrief.changes],
         "changed": debrief.changed and _card(debrief.changed, step),
@@ -435,7 +440,7 @@ def _reference(each: Reference, step: float) -> dict[str, Any]:
     orders = [
         {"seconds": order.tick * step, "order": order.text}
         for order in each.trajectory.orders
-        if order.who == CREW
+        if order.giver == REFERENCE_CREW
     ]
     return {"from_s": each.since, **_card(each.card, step), "orders": orders}
 

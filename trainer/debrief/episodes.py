@@ -22,11 +22,11 @@ from trainer.debrief.trajectory import (
     Trajectory,
     stretches,
 )
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order, name_of, parse
+from trainer.io.recording.facts import CrewNews, GiverKind
 from trainer.io.recording.recording import Journalled
 from trainer.units import KNOT
 
-SCHEDULE: Final = "schedule"  # who gives the orders of the exercise
 INSTRUCTOR: Final = "instructor"
 KEPT: Final = {  # [SI] off an order within which it is kept
     "depth": 3.0,
@@ -35,10 +35,6 @@ KEPT: Final = {  # [SI] off an order within which it is kept
     "pitch": math.radians(2.0),
 }
 MOVED: Final = np.radians(2.0)  # [rad] by which a surface has been deflected
-ORDERED: Final = "ordered: "  # begins the answer to an order to the crew
-AYE: Final = " aye"  # ends that to a repeat
-TELL: Final = "tell "  # began it in recordings of before
-WRONG: Final = "WRONG REPEAT: "
 WORDS: Final = "words"  # the axis of an order in words
 
 
@@ -104,16 +100,12 @@ def crew_orders(trajectory: Trajectory) -> tuple[Journalled, ...]:
     instructor is alone on board, and is the crew.
     """
     given = [
-        each for each in trajectory.orders if each.who != SCHEDULE and each.accepted is not False
+        each
+        for each in trajectory.orders
+        if each.giver.kind is not GiverKind.SCHEDULE and each.accepted is not False
     ]
-    stations = [each for each in given if not each.who.startswith(INSTRUCTOR)]
-    return tuple(each for each in stations or given if name_of(each) not in INSTRUCTING)
-
-
-def name_of(entry: Journalled) -> str:
-    """Return the order's name in the grammar, '' if this version does not know it."""
-    order = parse(entry.text)
-    return order.name if isinstance(order, Order) else ""
+    stations = [each for each in given if each.giver.role != INSTRUCTOR]
+    return tuple(each for each in stations or given if name_of(each.text) not in INSTRUCTING)
 
 
 def answer_to(
@@ -123,13 +115,13 @@ def answer_to(
     caused = [
         each.id
         for each in trajectory.orders
-        if each.tick == episode.begun and name_of(each) == "casualty"
+        if each.tick == episode.begun and name_of(each.text) == "casualty"
     ]
     for each in crew_orders(trajectory):
         # at the tick itself only what was ordered after the casualty, in a freeze
         later = each.tick > episode.begun
         later = later or (each.tick == episode.begun and bool(caused) and each.id > caused[-1])
-        if later and (names is None or name_of(each) in names):
+        if later and (names is None or name_of(each.text) in names):
             return each
     return None
 
@@ -170,30 +162,20 @@ def read_backs(trajectory: Trajectory) -> tuple[ReadBack, ...]:
         order = parse(entry.text)
         if not isinstance(order, Order) or entry.accepted is False:
             continue
-        if order.name in ("order", "tell"):
-            found += _ordered(entry, order)
-        elif order.name == "aye":
-            _repeat(found, entry)
+        if entry.crew.news is CrewNews.ORDERED:
+            axis = WORDS if order.name == "tell" else order.word.partition("_")[0]
+            found.append(ReadBack(entry, axis.replace("periscope", "depth"), entry.crew.order))
+        elif entry.crew.news is not CrewNews.NOTHING:
+            _repeat(found, entry, order.subject)
     return tuple(_carried_out(found, trajectory))
 
 
-def _ordered(entry: Journalled, order: Order) -> Iterator[ReadBack]:
-    """Yield what an order to the crew begins; nothing where it ends one."""
-    if order.name == "tell":
-        yield ReadBack(entry, WORDS, order.subject)
-    elif entry.answer.startswith(ORDERED) or not order.word.startswith("clear"):
-        axis = order.word.partition("_")[0].replace("periscope", "depth")
-        yield ReadBack(entry, axis, entry.answer.removeprefix(ORDERED) or entry.text)
-
-
-def _repeat(found: list[ReadBack], entry: Journalled) -> None:
+def _repeat(found: list[ReadBack], entry: Journalled, words: str) -> None:
     """Note a repeat, right or wrong, with the newest order that it is about."""
-    wrong = entry.answer.startswith(WRONG)
-    said, _, meant = entry.answer.removeprefix(WRONG).partition("; ordered is ")
-    told = meant if wrong else entry.answer.removesuffix(AYE)
+    wrong = entry.crew.news is CrewNews.WRONG_REPEAT
     for i in range(len(found) - 1, -1, -1):
-        if found[i].told == told.removeprefix(TELL) and found[i].repeated is None:
-            changed = {"wrong": (*found[i].wrong, said)} if wrong else {"repeated": entry}
+        if found[i].told == entry.crew.order and found[i].repeated is None:
+            changed = {"wrong": (*found[i].wrong, words)} if wrong else {"repeated": entry}
             found[i] = replace(found[i], **changed)
             return
 

@@ -16,12 +16,13 @@ from trainer.boat.depths import lowest_depth
 from trainer.boat.limits import BEYOND
 from trainer.config.derived import Loss
 from trainer.config.score_rules import Rule
-from trainer.debrief.episodes import SCHEDULE, name_of
 from trainer.debrief.groundings import groundings
 from trainer.debrief.measures import limits_of, rows_beyond
 from trainer.debrief.scoring import Scorecard, Scored, Verdict, score
 from trainer.debrief.ships_met import meet
 from trainer.debrief.trajectory import Rows, Trajectory, stretches
+from trainer.io.orders.grammar import name_of
+from trainer.io.recording.facts import GiverKind
 from trainer.report.svg import clock
 from trainer.session.plan import Plan
 
@@ -85,7 +86,7 @@ def _less_nobody(each: Scored, nobody: Mapping[str, float]) -> Scored:
     Where nobody gets more than MOST_NOBODY, at this seed, there is nothing to be earned. A task
     whose time the record does not reach has earned nothing.
     """
-    if each.marks is None and each.attained.why.startswith("the record ends"):
+    if each.marks is None and each.attained.beyond_record:
         each = replace(each, marks=0.0)
     if each.rule.part == "keeping" or each.marks is None:
         return each
@@ -141,9 +142,9 @@ def _verdict(
 def _free(trajectory: Trajectory) -> str:
     """Return what made the run free of marks: something let be automatic, or broken by hand."""
     for each in trajectory.orders:
-        if each.accepted is False or each.who == SCHEDULE:
+        if each.accepted is False or each.giver.kind is GiverKind.SCHEDULE:
             continue
-        if name_of(each) in FREEING:
+        if name_of(each.text) in FREEING:
             seconds = each.tick * trajectory.boat.method.step
             return f"{each.text} at {clock(seconds)}, by {each.who}"
     return ""
@@ -266,6 +267,7 @@ class Cost:
 
     marks: float  # [%] of the total
     told: str
+    tick: int | None = None  # where in the record
 
 
 def worth(each: Scored) -> float | None:
@@ -288,7 +290,7 @@ def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[Cost]:
         share = share_of(each, card)
         if each.marks is not None and share and lost > 0.0:
             told = _sentence(each, best.get(each.name), share * lost)
-            yield Cost(share * lost, told)
+            yield Cost(share * lost, told, each.attained.tick)
 
 
 def _by_gate(card: Scorecard) -> Iterator[Cost]:

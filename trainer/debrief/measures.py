@@ -44,6 +44,7 @@ class Attained:
     tick: int | None  # where in the record
     why: str = ""
     counts: bool = True  # a value that lacks by the crew's own doing earns nothing
+    beyond_record: bool = False  # it lacks because the record ends before what is looked at
 
 
 def overshoot(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:

@@ -20,6 +20,7 @@ from trainer.debrief.judgement import judge, share_of, widened, worth
 from trainer.debrief.rehearsal import Departure, Rehearsal, fly, last_tick
 from trainer.debrief.scoring import Scorecard, Scored, looked_at
 from trainer.debrief.trajectory import Rows, Trajectory, stretches
+from trainer.io.recording.facts import Giver, GiverKind
 from trainer.session.plan import Plan
 
 LONGEST: Final = 400_000  # [ticks] of an exercise that is flown for a debrief
@@ -29,6 +30,7 @@ MUCH: Final = 0.33  # [-] of the dearest fault, from which an earlier one is tol
 TIMED: Final = ("reach", "time-to")  # measures whose value is a time
 EXTREMES: Final = ("highest", "lowest", "largest", "overshoot")  # over when they are attained
 ABOUT: Final = "the band about the reference run was"
+INSTRUCTOR_ALONE: Final = Giver(GiverKind.STATION, INSTRUCTOR, INSTRUCTOR)
 LOST: Final = 10.0  # [%] of a task's marks less than the reference crew's: it went wrong
 
 
@@ -87,11 +89,11 @@ def nobody_of(card: Scorecard) -> dict[str, float]:
 def joined(before: Trajectory, after: Trajectory) -> Trajectory:
     """Return a run up to where another begins, and that other."""
     rows = before.ticks < after.ticks[0]
-    by_instructor = all(each.who.startswith(INSTRUCTOR) for each in crew_orders(before))
+    by_instructor = all(each.giver.role == INSTRUCTOR for each in crew_orders(before))
     orders = [each for each in before.orders if each.tick < after.ticks[0]]
     alone = bool(orders) and by_instructor  # then the instructor is the crew
     taken = tuple(
-        replace(each, who=INSTRUCTOR) if alone and each.place is None else each
+        replace(each, giver=INSTRUCTOR_ALONE) if alone and each.place is None else each
         for each in after.orders
     )
     return replace(

@@ -11,22 +11,28 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.boat import Boat
+from trainer.boat.crew_orders import ordered_fact
 from trainer.boat.depths import collapse_of
 from trainer.boat.helm import obey
 from trainer.boat.reference_crew import Given, Reaction, ReferenceCrew
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.reference_crew import MARK, Crew
-from trainer.debrief.episodes import SCHEDULE
 from trainer.debrief.ships_met import LOOKOUT
 from trainer.debrief.trajectory import COLUMNS, Trajectory
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.facts import (
+    NO_CREW_FACT,
+    REFERENCE_CREW,
+    SCHEDULE,
+    CrewFact,
+    Giver,
+)
 from trainer.io.recording.queries import Journalled, Moment, Noted
 from trainer.session.layout import LAYOUT, read_state
 from trainer.session.plan import Plan
 from trainer.session.world_orders import WorldOrders
 
-CREW: Final = "reference crew"  # who gives its orders
 PLACED: Final = np.array([LAYOUT.index(name) for name in COLUMNS])
 
 
@@ -81,7 +87,9 @@ def fly(
             for entry in places:
                 order = plan.schedule[entry].order
                 if order.name in BOAT_ORDERS:  # what is said to people moves nothing
-                    journal.write(SCHEDULE, order.text, obey(boat, order), entry)
+                    answer = obey(boat, order)
+                    fact = ordered_fact(boat, order)
+                    journal.write(SCHEDULE, order.text, answer, entry, fact)
             if aboard is not None:
                 journal.note(aboard.look())
             status = boat.tick()
@@ -141,15 +149,25 @@ class Journal:
                 self.rules[each.rule] = self.boat.time
             order = parse(each.text)
             if isinstance(order, Order) and order.name == MARK:  # no order of the boat's
-                noted = Noted(1, self.boat.ticks, MARK, LOOKOUT, order.subject, "")
+                noted = Noted(1, self.boat.ticks, MARK, LOOKOUT, order.subject, "", LOOKOUT)
                 self.marks.append(noted)
             else:
-                self.write(CREW, each.text, each.reply, None)
+                self.write(REFERENCE_CREW, each.text, each.reply)
 
-    def write(self, who: str, text: str, reply: Reply, place: int | None) -> None:
-        """Write an order down with its reply."""
+    def write(
+        self,
+        giver: Giver,
+        text: str,
+        reply: Reply,
+        place: int | None = None,
+        fact: CrewFact = NO_CREW_FACT,
+    ) -> None:
+        """Write an order down with its reply, and what it said to the crew."""
         refused = isinstance(reply, Refused)
         answer = reply.reason if isinstance(reply, Refused) else reply
         number = len(self.entries) + 1
-        entry = Journalled(number, 1, self.boat.ticks, who, text, place, not refused, answer)
+        entry = Journalled(
+            *(number, 1, self.boat.ticks, giver, text, place, not refused, answer),
+            crew=NO_CREW_FACT if refused else fact,
+        )
         self.entries.append(entry)

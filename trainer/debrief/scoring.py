@@ -154,7 +154,7 @@ def attain(trajectory: Trajectory, rule: Rule) -> Attained:
         return Attained(None, None, "it did not happen", counts=False)
     if not np.any(rows):
         told = f"the record ends at {trajectory.seconds[-1]:g} s"
-        return Attained(None, None, told, counts=False)
+        return Attained(None, None, told, counts=False, beyond_record=True)
     for condition in rule.conditions:
         rows &= trajectory.holds(condition)
     if not np.any(rows):

@@ -10,12 +10,13 @@ from trainer.core.cache import same_core
 from trainer.debrief.changes import OUTCOME, WIDTH, Change
 from trainer.debrief.charts import WRONG, chart_of
 from trainer.debrief.data import Answered, Compared, DebriefData, deviation_of
-from trainer.debrief.episodes import SCHEDULE, ReadBack
+from trainer.debrief.episodes import ReadBack
 from trainer.debrief.reference import behind
 from trainer.debrief.scoring import Scorecard, Scored, Verdict
 from trainer.debrief.ships_met import Detection, look_out, meet
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.recording.recording import Journalled
 from trainer.report.html import paragraph, table
 from trainer.report.svg import clock
@@ -202,7 +203,7 @@ def read_backs(debrief: DebriefData) -> Markup:
 def _read_back(debrief: DebriefData, i: int, each: ReadBack) -> tuple[str, ...]:
     order, said = each.order, each.repeated
     after = "-" if said is None else f"{(said.tick - order.tick) * debrief.step:g} s"
-    by = "the exercise" if order.who == SCHEDULE else order.who
+    by = by_whom(order.giver)
     return (
         *(f"O{i}", each.told, place(debrief, order.tick), by),
         *("not repeated" if said is None else said.who, after, ", ".join(each.wrong) or "-"),
@@ -316,12 +317,14 @@ def marks(debrief: DebriefData) -> Markup:
     return table(("", "moment", "remark", "by"), rows, "") + _more(len(every), JSON_HAS_ALL)
 
 
+def by_whom(giver: Giver) -> str:
+    """Return who gives an order, as a reader is told it."""
+    return "the exercise" if giver.kind is GiverKind.SCHEDULE else giver.words
+
+
 def hands(debrief: DebriefData) -> Markup:
     """Return the table of who gave orders."""
-    rows = (
-        ("the exercise" if each.who == SCHEDULE else each.who, str(each.orders), str(each.refused))
-        for each in debrief.hands
-    )
+    rows = ((by_whom(each.giver), str(each.orders), str(each.refused)) for each in debrief.hands)
     return table(("line", "orders", "refused"), rows, "")
 
 

@@ -203,7 +203,7 @@ def _bearings_marked(trajectory: Trajectory) -> Iterator[tuple[int, float]]:
     Marks are the periscope's; the instructor's count where nobody else has made any.
     """
     said = [(each, MARKED.match(each.text)) for each in trajectory.marks]
-    crew = [(mark, found) for mark, found in said if mark.who.startswith(LOOKOUT)]
+    crew = [(mark, found) for mark, found in said if mark.role == LOOKOUT]
     for mark, found in crew or said:
         if found:
             yield mark.tick, math.radians(float(found[1]))

@@ -17,13 +17,13 @@ from trainer.config.exercise import Armed
 from trainer.config.files import ConfigError, Place
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.schedule import Scheduled
+from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.status_line import clock
 from trainer.session.exercise import is_met
 from trainer.session.stations.station import Fact
 
 PLANNING: Final = frozenset({"plan", "cancel"})  # journalled, though they move nothing
 MOST: Final = 40  # planned at once, and told at once
-HEAD: Final = "instructor at plan "  # who gives a planned order, before its number
 WRITTEN: Final = Place("when", "")
 SPENT: Final = PLACES["triggers_spent"]
 
@@ -117,10 +117,10 @@ class Agenda:
         self.planned = {each.number: each for each in plans.planned}
         self._last = plans.last
 
-    def note(self, order: Order, who: str, seconds: float) -> None:
+    def note(self, order: Order, giver: Giver, seconds: float) -> None:
         """Take what an order of the journal meant for the plans."""
-        if who.startswith(HEAD):
-            self.planned.pop(int(who.removeprefix(HEAD)), None)
+        if giver.kind is GiverKind.PLAN:
+            self.planned.pop(giver.plan, None)
         elif order.name == "cancel":
             self._drop(order)
         elif order.name == "plan":

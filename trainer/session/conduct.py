@@ -16,7 +16,7 @@ from trainer.config.course import course
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.session.command import Command
 from trainer.session.control import HERE, Control
-from trainer.session.event_log import EventLog
+from trainer.session.event_log import EventLog, Rank
 from trainer.session.exercise import (
     AT_ITS_END,
     OVER,
@@ -80,6 +80,7 @@ class Conduct:
             "next": self._next,
             "history": self._history,
             "ready": self._be_ready,
+            "who": self._who,
             "command": self.command.ask,
             "give": self.command.give,
             "keep": self.command.keep,
@@ -114,7 +115,8 @@ class Conduct:
         control.failure = collapse_of(control.boat)
         if control.failure:
             depth = hull_depth(control.boat)
-            self.tell_depth(control.failure, Fact("collapse", f"{depth:.1f}"))
+            fact = Fact("collapse", f"{depth:.1f}")
+            self.tell_depth(control.failure, fact, Rank.EMERGENCY)
 
     def tell_ground(self) -> list[Call]:
         """Tell of the ground; return what was told."""
@@ -140,10 +142,10 @@ class Conduct:
             self.log.tell("time", f"frozen: {why}")
             self.show()
 
-    def tell_depth(self, words: str, fact: Fact | None = None) -> None:
-        """Tell what the depth has come to, with its tick."""
+    def tell_depth(self, words: str, fact: Fact | None = None, rank: Rank | None = None) -> None:
+        """Tell what the depth has come to, with its tick, and how urgent it is."""
         boat = self.control.boat
-        self.log.alert("depth", f"tick {boat.ticks} ({boat.time:g} s): {words}", fact)
+        self.log.alert("depth", f"tick {boat.ticks} ({boat.time:g} s): {words}", fact, rank)
 
     # The gates, for which see ``dispatch``
 
@@ -196,6 +198,7 @@ class Conduct:
         told = [Fact("exercise-over", ending.how)]
         if ending.marks and (ending.released or role is INSTRUCTOR):
             told.append(Fact("marks", ending.marks.fields))
+            told += [Fact("reason", fields) for fields in ending.marks.reason_fields]
         elif self._unmarked:
             told.append(Fact("marks", f"{ending.how},"))
         if ending.debrief and role is INSTRUCTOR:
@@ -283,9 +286,16 @@ class Conduct:
         self.ending.marks = found
         self.log.tell("exercise", f"marks: {found}", fact=Fact("marks", found.fields))
         change = f'  to change a mark: trainer debrief {self.kept} --change "NAME: WHAT, REASON"'
-        uncounted = [f"  {name}: does not count" for name in found.uncounted]
-        for text in (*(f"  {reason}" for reason in found.reasons), *uncounted, change):
-            self.log.tell("exercise", text)
+        self._tell_reasons("exercise", found)
+        for name in found.uncounted:
+            text = f"{name}: does not count"
+            self.log.tell("exercise", f"  {text}", fact=Fact("reason", f",{text}"))
+        self.log.tell("exercise", change)
+
+    def _tell_reasons(self, kind: str, found: Judgement) -> None:
+        """Tell the reasons of the marks, as news of that kind."""
+        for reason, fields in zip(found.reasons, found.reason_fields, strict=True):
+            self.log.tell(kind, f"  {reason}", fact=Fact("reason", fields))
 
     def _end(self, asked: Asked) -> Reply:
         boat = self.control.boat
@@ -302,8 +312,7 @@ class Conduct:
         ending.released = True
         fact = Fact("marks", ending.marks.fields)
         self.log.tell("marks", f"marks: {ending.marks}", fact=fact)
-        for reason in ending.marks.reasons:
-            self.log.tell("marks", f"  {reason}")
+        self._tell_reasons("marks", ending.marks)
         return "everybody has the marks"
 
     def _debrief(self, _asked: Asked) -> Reply:
@@ -353,6 +362,24 @@ class Conduct:
         self.past.answer(asked, self.control.history, self.kept)
 
     # Who is there
+
+    def _who(self, asked: Asked) -> Lines:
+        """Return the account of every station; tell a program the same in facts."""
+        stations = self.log.stations
+        facts = [Fact("stations", str(len(stations)))]
+        facts += [Fact("aboard", self._aboard(each, asked.station)) for each in stations]
+        self.log.note(asked.station, facts)
+        return Lines([each.account() for each in stations])
+
+    def _aboard(self, station: Station, asker: Station) -> str:
+        """Return what a program is told of a station that is here."""
+        marks = {
+            "you": station is asker,
+            "command": station.role is INSTRUCTOR and not self.command.elsewhere(station),
+            "ready": station in self.ready,
+        }
+        told = " ".join(mark for mark, holds in marks.items() if holds)
+        return f"{station.role.name},{station.called},{told},{station.line.name}"
 
     def _be_ready(self, asked: Asked) -> Reply:
         station = asked.station

@@ -14,19 +14,26 @@ from typing import Final, NamedTuple
 from trainer.boat.ballast_orders import PumpMonitor
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import readings
-from trainer.boat.crew_orders import standing_on
+from trainer.boat.crew_orders import ordered_fact, standing_on
 from trainer.boat.depths import DepthGuard
 from trainer.boat.helm import obey
 from trainer.config.exercise import AXES
 from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_crew
 from trainer.io.orders.quantities import FEET, METRES
+from trainer.io.recording.facts import (
+    GUARD,
+    NO_CREW_FACT,
+    SCHEDULE,
+    CrewFact,
+    CrewNews,
+    Giver,
+    meeting,
+)
 from trainer.session.manning import BY_HAND, CONCERNED, WORDS, axis_of, in_hand
 from trainer.session.stations.roles import INSTRUCTOR
-from trainer.session.stations.station import Fact
+from trainer.session.stations.station import Fact, Saying
 
 LATE: Final = 10.0  # [s] without a repeat, after which the order is shown again
-SCHEDULE: Final = "schedule"  # who gives the orders of the exercise
-GUARD: Final = "guard"  # who levels a boat that would be too deep
 AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
 SURE: Final = {"course": math.radians(5.0), "depth": 1.0, "pitch": math.radians(1.0)}  # to go
 PLANES: Final = ("stern", "bow", "lever")
@@ -43,13 +50,14 @@ class Telling(NamedTuple):
     kind: str
     text: str
     fact: Fact
+    saying: Saying | None = None
 
 
 class Watched(NamedTuple):
     """An order that a station gives: what is said before its answer, and who."""
 
     why: str
-    who: str
+    giver: Giver
     order: Order
 
 
@@ -77,7 +85,7 @@ class Talk(NamedTuple):
 
     spoken: tuple[Spoken, ...] = ()  # the newest last
     freed: frozenset[str] = frozenset()
-    meeting: str = ""
+    meeting: Giver | None = None
 
 
 class Repeat(NamedTuple):
@@ -99,7 +107,7 @@ class CrewTalk:
     freed: set[str] = field(default_factory=set)  # axes that the instructor has let be automatic
     due: float = math.inf  # [tick] at which a repeat is next found missing
     pumps: PumpMonitor = field(default_factory=PumpMonitor)  # what is to be reported of them
-    meeting: str = ""  # who has said "meet her", while the boat still swings
+    meeting: Giver | None = None  # who has said "meet her", while the boat still swings
     _spoken: dict[str, Spoken] = field(default_factory=dict)  # by axis, the newest last
 
     @property
@@ -145,18 +153,30 @@ class CrewTalk:
         clear = parse("belay words" if axis == WORDS else f"order clear {axis}")
         return clear if isinstance(clear, Order) else order
 
-    def note(self, order: Order, who: str, tick: int, answer: str) -> list[Telling]:
-        """Note what was said and how it was answered; return what there is to tell."""
-        if order.name in WATER and who != SCHEDULE:  # what that does is nobody's to report
-            self.pumps.note(self.boat, order, role_of(who))
+    def fact_of(self, order: Order, role: str) -> CrewFact:
+        """Return what an order just obeyed says to the crew, or of it."""
+        if order.name == "aye":
+            repeat = self._find(order.subject, role)
+            if isinstance(repeat, Refused):
+                return NO_CREW_FACT
+            news = CrewNews.REPEATED if repeat.right else CrewNews.WRONG_REPEAT
+            return CrewFact(news, repeat.spoken.says)
+        return ordered_fact(self.boat, order)
+
+    def note(self, order: Order, giver: Giver, tick: int, fact: CrewFact) -> list[Telling]:
+        """Note what was said, with its fact; return what there is to tell."""
+        role = giver.role
+        if order.name in WATER and giver != SCHEDULE:  # what that does is nobody's to report
+            self.pumps.note(self.boat, order, role)
             self._look_ahead()
         if order.name not in HEARD:
             return []
         if order.name in MOVING:
-            return self._moved(order, who)
-        role = role_of(who)
+            return self._moved(order, role)
+        if fact.news is CrewNews.ORDERED:
+            return self._ordered(order, role, tick, fact.order)
         if order.name in ("order", "tell") and not order.word.startswith("clear"):
-            return self._ordered(order, role, tick, answer)
+            return []  # its answer was never written
         notes: dict[str, Callable[[], list[Telling]]] = {
             "aye": lambda: self._repeated(order, role),
             "allow": lambda: self._freed(order.word),
@@ -180,17 +200,17 @@ class CrewTalk:
 
     # Orders and repeats
 
-    def _ordered(self, order: Order, role: str, tick: int, answer: str) -> list[Telling]:
+    def _ordered(self, order: Order, role: str, tick: int, ordered: str) -> list[Telling]:
         """Note an order: on its axis the older one stands no longer."""
-        axis = WORDS if order.name == "tell" else order.word.partition("_")[0]
-        axis = axis.replace("periscope", "depth")
-        told = order.text if axis == WORDS else answer.removeprefix("ordered: ")
+        axis = WORDS if order.name == "tell" else axis_of(order)
+        told = order.text if axis == WORDS else ordered
         self._spoken.pop(axis, None)
         self._spoken[axis] = Spoken(axis, told, order, tick, role)
         self._look_ahead()
-        by = "" if role == SCHEDULE else f"{role}: "
+        by = "" if role == SCHEDULE.role else f"{role}: "
         words = f"to the crew: {order.subject}" if axis == WORDS else f"ordered: {told}"
-        return [Telling("crew", f"{by}{words}", Fact("crew-order", told))]
+        saying = Saying("schedule" if role == SCHEDULE.role else role, words)
+        return [Telling("crew", f"{by}{words}", Fact("crew-order", told), saying)]
 
     def _belayed(self, order: Order) -> list[Telling]:
         axis = order.word.removeprefix("clear_")
@@ -218,7 +238,8 @@ class CrewTalk:
         if right:
             self._spoken[spoken.axis] = replace(spoken, repeated=True)
             self._look_ahead()
-            return [Telling("crew", f"{role}: {spoken.says} aye", Fact("repeated", spoken.told))]
+            saying = Saying(role, f"{spoken.says} aye")
+            return [Telling("crew", ": ".join(saying), Fact("repeated", spoken.told), saying)]
         told = f"{order.subject}; {spoken.told}"
         text = f"WRONG REPEAT: {role} says {order.subject}; ordered is {spoken.says}"
         return [Telling("crew", text, Fact("wrong-repeat", told))]
@@ -300,13 +321,13 @@ class CrewTalk:
         left = (-standing.value if axis == "depth" else standing.value) - now
         return left if abs(left) > SURE[axis] else 0.0
 
-    def _moved(self, order: Order, who: str) -> list[Telling]:
+    def _moved(self, order: Order, role: str) -> list[Telling]:
         """Note that a surface was worked, and whether a swing is being met."""
         for axis, surfaces in WORKS.items():
             if axis in self._spoken and order.name in surfaces:
                 self._spoken[axis] = replace(self._spoken[axis], begun=True)
         if order.name in STEERED:
-            self.meeting = f"{role_of(who)} meeting her" if order.word == "meet" else ""
+            self.meeting = meeting(role) if order.word == "meet" else None
         return []
 
     def due_by_hand(self) -> Watched | None:
@@ -314,7 +335,7 @@ class CrewTalk:
         if self.meeting and self._swing_met():
             return Watched(f"{self.meeting}: swing met", self.meeting, AMIDSHIPS)
         order = self.guard.order(self.boat)
-        return Watched(GUARD, GUARD, order) if order and self._guarded else None
+        return Watched(GUARD.words, GUARD, order) if order and self._guarded else None
 
     def _swing_met(self) -> bool:
         """Return whether the swing that is being met has stopped."""
@@ -411,11 +432,6 @@ def pumped(by: str, done: str) -> Telling:
     return Telling("crew", f"{by} reports: {done}", fact)
 
 
-def role_of(who: str) -> str:
-    """Return the role of who gave an order, as the journal names him. A schedule's is its own."""
-    return who.partition(" at ")[0]
-
-
 def said_order(words: str) -> Order | None:
     """Return the order to the crew that words are, without "order" before them or with."""
     plain = re.sub(r"\bto\b", " ", words)
@@ -435,7 +451,7 @@ def is_repeated(words: str, spoken: Spoken) -> bool:
     if spoken.axis == WORDS:
         return plain_words(words) == plain_words(spoken.given.subject)
     units = {*METRES.names, *FEET.names}
-    if spoken.told.endswith(" ft") and not units & set(re.findall("[a-z]+", words)):
+    if spoken.given.unit is FEET and not units & set(re.findall("[a-z]+", words)):
         words = f"{words} ft"
     said, told = said_order(words), said_order(spoken.told)
     if said is None or told is None:

@@ -5,8 +5,8 @@
    refuses itself, because a stranger's words go no further than his line.
 2. **Asked.** All else comes to ``Dispatch.hear`` in the thread that ticks, one order at a time.
    ``refusal`` walks the gates in the order of ``GATES``: who has command, whether it was meant
-   (``quit``), the visitor's, the end of the exercise, what is worked by hand, a replay, a boat that
-   is lost. The first gate that is shut answers. A call of the Python face, and a plan whose time
+   (``quit``), the visitor's, a boat that is lost, the end of the exercise, what is worked by hand,
+   a replay. The first gate that is shut answers. A call of the Python face, and a plan whose time
    has come, walk the same gates, but come from no station.
 3. **What is due comes before.** The exercise's orders up to this tick are carried out, so that an
    order finds the boat as the exercise has it. They walk no gate: the exercise may order what it
@@ -31,15 +31,22 @@ from typing import Final, NamedTuple
 
 from trainer.boat.helm import obey
 from trainer.io.orders.grammar import Order, Refused, Reply
-from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
+from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK, UNSCHEDULED
+from trainer.io.recording.facts import (
+    NO_CREW_FACT,
+    SCHEDULE,
+    CrewFact,
+    Giver,
+    GiverKind,
+    plan_of,
+)
 from trainer.io.recording.recording import RecordingError
-from trainer.session.agenda import HEAD as PLANNED
-from trainer.session.crew import SCHEDULE, Telling, role_of
+from trainer.session.crew import Telling
 from trainer.session.event_log import CREW
 from trainer.session.manning import unheard
 from trainer.session.parts import Parts
 from trainer.session.stations.roles import INSTRUCTOR, ROLES, roles_with
-from trainer.session.stations.station import Asked, Duty, Fact, Lines, Station
+from trainer.session.stations.station import Asked, Duty, Fact, Lines, Saying, Station
 
 Gate = Callable[[Order, Station | None, Parts], str]
 
@@ -77,11 +84,6 @@ class Rule(NamedTuple):
     def passed_on(self) -> bool:
         """Return whether the others are told of it with its answer; the rest tells itself."""
         return self.journalled or self.obeyer in (Obeyer.TIME, Obeyer.PAST, Obeyer.RECORD)
-
-    @property
-    def scheduled(self) -> bool:
-        """Return whether an exercise's schedule may hold it."""
-        return self.passed_on
 
 
 WATCHING: Final = Rule(Obeyer.QUESTION, watching=True)
@@ -187,7 +189,7 @@ class Dispatch:
         order = session.crew.meant(asked.order)
         shut = refusal(order, station, session)
         if ORDERS[order.name].passed_on:
-            answer = shut or self._carried_out(order, station.who, station)
+            answer = shut or self._carried_out(order, station.giver, station)
             kept = session.event_log.as_kept(answer)
             station.answer(asked, kept, *self._unheard(order, station, answer))
             self._pass_on(order, answer, station)
@@ -198,13 +200,13 @@ class Dispatch:
         elif reply is not None:
             station.answer(asked, reply)
 
-    def give(self, order: Order, who: str) -> Reply:
+    def give(self, order: Order, giver: Giver) -> Reply:
         """Carry out an order of no station; return what now holds, or why not."""
         meant = self.session.crew.meant(order)
-        return refusal(meant, None, self.session) or self._carried_out(meant, who)
+        return refusal(meant, None, self.session) or self._carried_out(meant, giver)
 
     def carry_out(
-        self, order: Order, who: str, place: int | None = None, speaker: Station | None = None
+        self, order: Order, giver: Giver, place: int | None = None, speaker: Station | None = None
     ) -> Reply:
         """Journal an order where it is to be, and have it obeyed; return the answer.
 
@@ -212,16 +214,17 @@ class Dispatch:
         what all are told.
         """
         session, rule = self.session, ORDERS[order.name]
-        if place is not None and not rule.scheduled:
-            return Refused(f"{order.text} has no place in a schedule")
-        kept = rule.journalled or place is not None or who.startswith(PLANNED)
-        number = session.history.order(who, order, place) if kept else None
-        if rule.journalled:
-            answer = self.obey(order, who, speaker)
+        kept = rule.journalled or place is not None or giver.kind is GiverKind.PLAN
+        number = session.history.order(giver, order, place) if kept else None
+        fact = NO_CREW_FACT
+        if place is not None and order.name in UNSCHEDULED:
+            answer: Reply = Refused(f"{order.text} has no place in a schedule")
+        elif rule.journalled:
+            answer, fact = self.obey(order, giver, speaker)
         else:
-            answer = session.control.obey(order, who)
+            answer = session.control.obey(order, giver.words)
         if number is not None:
-            session.history.answered(number, answer)
+            session.history.answered(number, answer, fact)
             session.standing.keep()
         if rule.obeyer is Obeyer.PAST and not isinstance(answer, Refused):
             session.arrive()
@@ -229,34 +232,39 @@ class Dispatch:
             session.shown.show()
         return answer
 
-    def obey(self, order: Order, who: str, speaker: Station | None = None) -> Reply:
-        """Have the boat, the crew or the plans obey; tell the crew of it."""
-        session = self.session
+    def obey(
+        self, order: Order, giver: Giver, speaker: Station | None = None
+    ) -> tuple[Reply, CrewFact]:
+        """Have the boat, the crew or the plans obey; tell the crew of it.
+
+        Return the answer, and what the order said to the crew.
+        """
+        session, role, fact = self.session, giver.role, NO_CREW_FACT
         obeyer = ORDERS[order.name].obeyer
         if obeyer is Obeyer.PLANS:
-            return session.agenda.obey(order)
-        role = role_of(who)
+            return session.agenda.obey(order), fact
         talk = obeyer is Obeyer.CREW
         tellings = [] if talk else session.crew.wrong_way(order, role)
         answer = session.crew.obey(order, role) if talk else obey(session.boat, order)
         if not isinstance(answer, Refused):
-            tellings += session.crew.note(order, who, session.history.tick, answer)
+            fact = session.crew.fact_of(order, role)
+            tellings += session.crew.note(order, giver, session.history.tick, fact)
             self.say(tellings, speaker)
         session.shown.take_words()
         if session.time.frozen and not isinstance(answer, Refused):  # no tick comes to show it
             session.shown.show()
-        return answer
+        return answer, fact
 
     def say(self, tellings: Sequence[Telling], speaker: Station | None = None) -> None:
         """Tell what was said. Who has said it has an answer in place of the text."""
         for telling in tellings:
             by = speaker if telling.kind == CREW else None
-            self.session.event_log.tell(telling.kind, telling.text, by, telling.fact)
+            self.session.event_log.tell(*telling[:2], by, telling.fact, telling.saying)
 
     def obey_watch(self) -> None:
         """Carry out what this tick calls for from those on watch, the guard among them."""
         if due := self.session.crew.due_by_hand():
-            answer = self.carry_out(due.order, due.who)
+            answer = self.carry_out(due.order, due.giver)
             self.session.event_log.tell("order", f"{due.why}: {answer}")
 
     def end_replay(self, outcome: str) -> None:
@@ -277,17 +285,17 @@ class Dispatch:
     def obey_plans(self) -> None:
         """Carry out the instructors' plans that are due at this tick."""
         for plan in self.session.agenda.due():
-            answer = self.give(plan.order, f"{PLANNED}{plan.number}")
+            answer = self.give(plan.order, plan_of(INSTRUCTOR.name, plan.number))
             self._tell_due(plan.ahead.moment, plan.order, answer)
             self.tell_plans()
 
     def obey_again(self) -> None:
         """Have what was given at this tick obeyed again, as a replay has it."""
         session = self.session
-        for order, who in session.history.flown.recorded(session.agenda.schedule):
+        for order, giver in session.history.flown.recorded(session.agenda.schedule):
             if order.name in BOAT_ORDERS | CREW_TALK:
-                self.obey(order, who)
-            session.agenda.note(order, who, session.boat.time)
+                self.obey(order, giver)
+            session.agenda.note(order, giver, session.boat.time)
 
     def tell_plans(self, station: Station | None = None) -> None:
         """Tell an instructor what is ahead; without one all of them, where it has changed."""
@@ -298,14 +306,14 @@ class Dispatch:
             if each.role is INSTRUCTOR:
                 session.event_log.note(each, session.agenda.facts(place))
 
-    def _carried_out(self, order: Order, who: str, speaker: Station | None = None) -> Reply:
+    def _carried_out(self, order: Order, giver: Giver, speaker: Station | None = None) -> Reply:
         """Carry out an order that no gate has refused, after what was due before."""
         try:
             if order.name in BOAT_ORDERS:
                 self.obey_schedule()
             if order.name in ("run", "step"):
                 self.session.conduct.go_on(order)
-            return self.carry_out(order, who, speaker=speaker)
+            return self.carry_out(order, giver, speaker=speaker)
         except RecordingError as error:  # its past cannot be read at present
             return Refused(str(error))
 
@@ -335,7 +343,8 @@ class Dispatch:
         text = f"{when}: {wrong or answer}"
         if wrong or ORDERS[order.name].obeyer is not Obeyer.CREW:
             fact = None if wrong else Fact("order", order.text)
-            self.session.event_log.tell("exercise", text, fact=fact)
+            saying = Saying("schedule", wrong or str(answer))
+            self.session.event_log.tell("exercise", text, fact=fact, saying=saying)
         return text
 
 

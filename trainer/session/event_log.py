@@ -8,6 +8,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import Final, Protocol
 
 from trainer.io.noise_log import CrowdLog
@@ -16,14 +17,26 @@ from trainer.io.recording.recording import RecordingError
 from trainer.io.status_line import clock
 from trainer.session.history import History
 from trainer.session.stations.roles import INSTRUCTOR, Role, hears
-from trainer.session.stations.station import Fact, News, Station
+from trainer.session.stations.station import Fact, News, Saying, Station
 
 KEPT: Final = 500  # of what has happened, for who comes late
+MARK: Final = "mark"  # the kind of a remark
 CREW: Final = "crew"  # the kind of what is said to the crew and by it
 SAID: Final = ("wrong-way", "exercise", "report")  # facts of what was said that are of another kind
 OPEN: Final = 100  # alerts at most that wait to be seen
 UNSAFE: Final = "should the power go, the last orders would be lost; they act and are recorded"
 SAFE: Final = "what was ordered is safe should the power go"
+
+
+class Rank(Enum):
+    """How urgent an alert is. The value is how programs are told."""
+
+    EMERGENCY = "emergency"
+    ALARM = "alarm"
+    WARNING = "warning"
+
+
+KIND_RANKS: Final = {"depth": Rank.ALARM, "watch": Rank.ALARM, "pilot": Rank.WARNING}
 
 
 class Counting(Protocol):
@@ -42,6 +55,7 @@ class EventLog:
     heard: Station | None = None  # who is listened to
     hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
     alerts: dict[int, News] = field(default_factory=dict)  # that nobody has seen yet
+    ranks: dict[int, Rank] = field(default_factory=dict)  # of the alerts, by their numbers
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
     unsafe: bool = False  # it was told that the disk is behind
     _alert: int = 0  # the number of the last
@@ -54,7 +68,12 @@ class EventLog:
         self.strangers = CrowdLog(self.tell, time.monotonic)
 
     def tell(
-        self, kind: str, text: str, by: Station | None = None, fact: Fact | None = None
+        self,
+        kind: str,
+        text: str,
+        by: Station | None = None,
+        fact: Fact | None = None,
+        saying: Saying | None = None,
     ) -> None:
         """Record what has happened, and tell whose role hears of such things but ``by``.
 
@@ -62,26 +81,37 @@ class EventLog:
         """
         boat = self.history.boat
         # a remark is anybody's words: who hears it hears whose
-        said = f"mark by {self.signature(by)}: {text}" if kind == "mark" and by else text
-        news = News(self.history.tick, boat.time, kind, said, fact)
+        said = text
+        if kind == MARK and by:
+            said = f"mark by {self.signature(by)}: {text}"
+            saying = Saying(by.role.name, f"mark: {text}")
+        news = News(self.history.tick, boat.time, kind, said, fact, saying)
         talk = kind == CREW or (fact is not None and fact.what in SAID)
         keeper = self.history.flown.talk if talk else self.history.recording
-        keeper.event(news.tick, kind, by.who if by else "", text)
+        keeper.event(news.tick, kind, *((by.who, text, by.role.name) if by else ("", text)))
         for hear in self.hearers:
             hear(news)
         self._spread(news, by)
 
-    def alert(self, kind: str, text: str, fact: Fact | None = None) -> None:
-        """Tell something that calls for eyes, with a number by which it is acknowledged."""
+    def alert(
+        self, kind: str, text: str, fact: Fact | None = None, rank: Rank | None = None
+    ) -> None:
+        """Tell something that calls for eyes, with a number by which it is acknowledged.
+
+        Its rank is that of its kind, unless it is told.
+        """
         self._alert += 1
         news = News(self.history.tick, self.history.boat.time, kind, text, fact)
         self.history.recording.event(news.tick, kind, "", text)
         self.alerts[self._alert] = news
-        self.alerts.pop(self._alert - OPEN, None)
+        self.ranks[self._alert] = rank or KIND_RANKS[kind]
+        for kept in (self.alerts, self.ranks):
+            kept.pop(self._alert - OPEN, None)
         for hear in self.hearers:  # as it is recorded
             hear(news)
         self._spread(news._replace(text=f"{text} [{self._alert}]"), None)
-        self._note(numbered(self._alert, news))
+        for each in self._numbered(self._alert, news):
+            self._note(each)
 
     def acknowledge(self, order: Order, by: Station) -> Reply:
         """Take alerts as seen, one by its number or all that ``by`` was told. Tell the others."""
@@ -92,8 +122,8 @@ class EventLog:
             return Refused(f"no such alert is open here; there is {there}")
         for number in wanted:
             seen = self.alerts.pop(number)
-            text = f"{by.role.name}: alert {number} seen"
-            self.tell(seen.kind, text, by, Fact("ack", str(number)))
+            saying = Saying(by.role.name, f"alert {number} seen")
+            self.tell(seen.kind, ": ".join(saying), by, Fact("ack", str(number)), saying)
         return f"seen: {', '.join(map(str, wanted))}"
 
     def settle(self, counting: Sequence[Counting]) -> None:
@@ -127,7 +157,14 @@ class EventLog:
         """Tell a program the alerts that nobody has seen yet."""
         for number, news in self.alerts.items():
             if hears(station.role, news.kind):
-                station.note(numbered(number, news))
+                for each in self._numbered(number, news):
+                    station.note(each)
+
+    def _numbered(self, number: int, news: News) -> tuple[News, News]:
+        """Return the news of an alert's rank and number, for programs."""
+        rank = Fact("alert-rank", f"{number},{self.ranks[number].value}")
+        alert = Fact("alert", f"{number},{news.kind},{news.text}")
+        return news._replace(fact=rank), news._replace(fact=alert)
 
     def _note(self, news: News) -> None:
         """Tell programs a fact beside what they were told."""
@@ -136,13 +173,18 @@ class EventLog:
                 station.note(news)
 
     def _spread(self, news: News, by: Station | None) -> None:
-        """Keep news, and tell all but ``by``, who has the fact alone."""
+        """Keep news, and tell all but ``by``, who has the fact alone.
+
+        Of an order to the crew it learns that it has given it: it is not to repeat it.
+        """
         self.news.append(news)
         for station in self.stations:
             if station is not by:
                 station.tell(news)
             else:
                 station.note(news)
+                if news.fact and news.fact.what == "crew-order":
+                    station.note(news._replace(fact=Fact("own-order", news.fact.subject)))
 
     def pass_on(
         self, order: Order, answer: Reply, station: Station, kind: str | None, what: str
@@ -152,11 +194,13 @@ class EventLog:
         Of one that was obeyed: as news of that kind (None: by whose it was), by a fact ``what``.
         """
         kinds = "exercise" if station.role is INSTRUCTOR else "order"
-        head = f"{self.signature(station)}: {order.text}:"
-        if isinstance(answer, Refused):
-            self.tell(kinds, f"{head} refused: {answer.reason}", station)
-        else:
-            self.tell(kind or kinds, f"{head} {answer}", station, Fact(what, order.text))
+        refused = isinstance(answer, Refused)
+        result = f"refused: {answer.reason}" if isinstance(answer, Refused) else str(answer)
+        words = f"{order.text}: {result}"
+        fact = None if refused else Fact(what, order.text)
+        told_kind = kinds if refused else kind or kinds
+        text = f"{self.signature(station)}: {words}"
+        self.tell(told_kind, text, station, fact, Saying(station.role.name, words))
 
     def attended(self, role: str) -> bool:
         """Return whether a station has that role."""
@@ -214,8 +258,3 @@ class EventLog:
         """Return the last of what ``role`` hears of."""
         heard = [news for news in self.news if hears(role, news.kind)]
         return [f"{clock(news.seconds)} {news.text}" for news in heard[-count:]]
-
-
-def numbered(number: int, news: News) -> News:
-    """Return the news that an alert has a number, for programs."""
-    return news._replace(fact=Fact("alert", f"{number},{news.kind},{news.text}"))

@@ -12,6 +12,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from pathlib import Path
 from typing import Final
 
@@ -39,6 +40,7 @@ class Judgement:
     total: float | None  # [%] None: nothing counts
     reasons: tuple[str, ...] = ()
     uncounted: tuple[str, ...] = ()  # scores of what did not come: for the instructor
+    times: tuple[float | None, ...] = ()  # [s] of the reasons, where they are about a moment
 
     def __str__(self) -> str:
         marks = "no marks" if self.total is None else f"{self.total:.0f} marks of 100"
@@ -48,6 +50,13 @@ class Judgement:
     def fields(self) -> str:
         """Return outcome and total as programs are told them."""
         return f"{self.outcome},{'' if self.total is None else f'{self.total:.1f}'}"
+
+    @property
+    def reason_fields(self) -> list[str]:
+        """Return each reason with its time [s] as programs are told it."""
+        times = ("" if time is None else f"{time:g}" for time in self.times)
+        pairs = zip_longest(times, self.reasons, fillvalue="")
+        return [",".join(pair) for pair in pairs]
 
 
 @dataclass(frozen=True)

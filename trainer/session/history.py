@@ -23,6 +23,7 @@ from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.absence import NoRecording
+from trainer.io.recording.facts import NO_CREW_FACT, CrewFact, Giver
 from trainer.io.recording.recording import (
     Journalled,
     Moment,
@@ -108,7 +109,7 @@ class Orders(Protocol):
 class Talk(Protocol):
     """Where the words on board are recorded."""
 
-    def event(self, tick: int, kind: str, who: str, text: str) -> None:
+    def event(self, tick: int, kind: str, who: str, text: str, role: str = "") -> None:
         """Take something that happened."""
         ...
 
@@ -116,7 +117,7 @@ class Talk(Protocol):
 class Unrecorded:
     """Records nothing: what a replay says again is in the recording."""
 
-    def event(self, tick: int, kind: str, who: str, text: str) -> None:
+    def event(self, tick: int, kind: str, who: str, text: str, role: str = "") -> None:
         """Drop it."""
 
 
@@ -143,7 +144,7 @@ class LiveRun:
                 return
             yield history.place, entry
 
-    def recorded(self, _schedule: Sequence[Scheduled]) -> Iterator[tuple[Order, str]]:
+    def recorded(self, _schedule: Sequence[Scheduled]) -> Iterator[tuple[Order, Giver]]:
         """Yield no order: all are given now."""
         return iter(())
 
@@ -211,7 +212,7 @@ class ReplayedRun:
         """Yield nothing: what the schedule ordered is among the recorded orders."""
         return iter(())
 
-    def recorded(self, schedule: Sequence[Scheduled]) -> Iterator[tuple[Order, str]]:
+    def recorded(self, schedule: Sequence[Scheduled]) -> Iterator[tuple[Order, Giver]]:
         """Yield the orders that were given at this tick, and who gave each."""
         history = self._history
         while self._orders and self._orders[0].tick <= history.tick:
@@ -219,7 +220,7 @@ class ReplayedRun:
             history.include(entry)
             order = order_of(entry, schedule)
             if order is not None:
-                yield order, entry.who
+                yield order, entry.giver
 
     def obey_due(self, orders: Orders) -> bool:
         """Have the recorded orders of this tick obeyed; return whether the replay ends here."""
@@ -319,23 +320,23 @@ class History:
         branch = self.recording.branch
         return Moment(branch, self.tick, self._state(), self.after, self.place)
 
-    def order(self, who: str, order: Order, place: int | None = None) -> int:
+    def order(self, giver: Giver, order: Order, place: int | None = None) -> int:
         """Journal an order that is about to act; return its number."""
         if self.recording.reachable:
             self.recording.go_on(self.now())
         before = self._world_order(self.recording.branch, self.after)
-        self.after = number = self.recording.order(self.tick, who, order.text, place)
+        self.after = number = self.recording.order(self.tick, giver, order.text, place)
         ours = order.name in PARTS
         self._to_world[number] = WorldOrder(number, self.tick, order, before) if ours else before
         if place is not None:
             self.place = place + 1
         return number
 
-    def answered(self, number: int, answer: Reply) -> None:
-        """Journal what became of an order."""
+    def answered(self, number: int, answer: Reply, crew: CrewFact = NO_CREW_FACT) -> None:
+        """Journal what became of an order, and what it said to the crew."""
         refused = isinstance(answer, Refused)
         text = answer.reason if isinstance(answer, Refused) else answer
-        self.recording.answered(number, text, not refused)
+        self.recording.answered(number, text, not refused, crew)
         latest = self._to_world.get(number)
         if refused and latest and latest.number == number:
             self._to_world[number] = latest.before

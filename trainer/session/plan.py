@@ -17,7 +17,6 @@ from trainer.config.baseline import Baseline, kept_baseline
 from trainer.config.casualties import Casualty, load_casualties
 from trainer.config.derived import Loss
 from trainer.config.exercise import (
-    UNSCHEDULED,
     Armed,
     Exercise,
     Initial,
@@ -33,6 +32,7 @@ from trainer.config.world import WorldTables
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
+from trainer.io.orders.table import UNSCHEDULED
 from trainer.session.options import RunOptions
 from trainer.units import KNOT
 

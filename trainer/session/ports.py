@@ -157,9 +157,9 @@ class Ports:
         return Station(line, door, self.sending, self.log)
 
 
-def address_or_none(text: str | None) -> str | None:
+def address_or_none(option: str | None) -> str | None:
     """Return an address or path, None for none."""
-    return None if text in (None, "none") else text
+    return None if option in (None, "none") else option
 
 
 @contextlib.contextmanager

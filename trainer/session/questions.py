@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from trainer.boat.casualties import available, listing
+from trainer.boat.casualties import available, degrees, listing
 from trainer.io.orders.grammar import Reply
 from trainer.session.agenda import Agenda
 from trainer.session.event_log import EventLog
@@ -27,7 +27,6 @@ class Questions:
         """Return who answers which question."""
         return {
             "status": lambda asked: Lines(self.shown.status(asked.station)),
-            "who": lambda _: Lines([each.account() for each in self.log.stations]),
             "log": lambda asked: Lines(self.log.lately(asked.station.role, int(asked.order.value))),
             "casualties": self._casualties,
             "plans": self._plans,
@@ -40,6 +39,7 @@ class Questions:
     def _casualties(self, asked: Asked) -> Lines:
         boat = self.history.boat
         facts = [Fact("casualty", ",".join(fields)) for fields in available(boat)]
+        facts += [Fact("degree", degree.fields) for degree in degrees(boat)]
         self.log.note(asked.station, facts)
         return Lines(listing(boat))
 

@@ -7,10 +7,13 @@ import click
 import numpy as np
 
 from trainer.boat.boat import Boat
+from trainer.boat.crew_orders import ordered_fact
 from trainer.boat.helm import obey
 from trainer.boat.world.scope import periscope_of
 from trainer.config.files import ConfigError
+from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.facts import NO_CREW_FACT
 from trainer.io.recording.recording import Recording
 from trainer.session.exercise import Debriefing
 from trainer.session.header import (
@@ -103,7 +106,9 @@ def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ..
                 history.ticked(history.tick)
             order = order_of(entry, plan.schedule)
             if order is not None and order.name in BOAT_ORDERS:
-                history.answered(entry.id, obey(boat, order))
+                answer = obey(boat, order)
+                fact = NO_CREW_FACT if isinstance(answer, Refused) else ordered_fact(boat, order)
+                history.answered(entry.id, answer, fact)
             history.include(entry)
     history.read_world_orders(recording.branch)
     return history

@@ -7,9 +7,11 @@ from typing import Final
 
 from trainer.boat.boat import TICK
 from trainer.io.orders.grammar import Order, Reply
+from trainer.io.recording.facts import Giver
 from trainer.io.tables import Columns, NoFile
 from trainer.session.attendance import Attendance, Introduction
 from trainer.session.dispatch import Dispatch
+from trainer.session.event_log import Rank
 from trainer.session.parts import Parts
 from trainer.session.questions import Questions
 from trainer.session.stations.station import Asked, Duty, Fact
@@ -75,9 +77,9 @@ class Session(Parts):
         self.control.ended = True
         self.wake.set()
 
-    def give(self, order: Order, who: str) -> Reply:
+    def give(self, order: Order, giver: Giver) -> Reply:
         """Carry out an order of no station; return what now holds, or why not."""
-        return self.dispatch.give(order, who)
+        return self.dispatch.give(order, giver)
 
     def tick(self) -> None:
         """Carry out the orders that are due, and unless they stop time take a tick."""
@@ -153,7 +155,8 @@ class Session(Parts):
             for text in monitor.look(self.boat):
                 self.event_log.alert(kind, text)
         if passed := self.monitors.depths.look(self.boat):  # on the way down
-            self.conduct.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"))
+            rank = Rank.EMERGENCY if passed.too_deep else None
+            self.conduct.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"), rank)
         flown.judge(self.conduct, self.monitors.limits.encounters)
         self.dispatch.tell_plans()
         if tick >= self.crew.due:

@@ -8,7 +8,7 @@ but what was given to another process.
 from dataclasses import dataclass, field
 
 from trainer.io.orders.grammar import Order, parse
-from trainer.session.agenda import HEAD as PLANNED
+from trainer.io.recording.facts import GiverKind
 from trainer.session.agenda import Agenda, Plans
 from trainer.session.crew import HEARD, CrewTalk, Talk
 from trainer.session.history import History
@@ -56,7 +56,7 @@ class Standing:
             order = parse(entry.text)
             taken = entry.accepted is not False
             if isinstance(order, Order) and taken and order.name in HEARD:
-                crew.note(order, entry.who, entry.tick, entry.answer)  # but no report of pumps
-            if isinstance(order, Order) and (taken or entry.who.startswith(PLANNED)):
-                agenda.note(order, entry.who, entry.tick * agenda.boat.method.step)
+                crew.note(order, entry.giver, entry.tick, entry.crew)  # but no report of pumps
+            if isinstance(order, Order) and (taken or entry.giver.kind is GiverKind.PLAN):
+                agenda.note(order, entry.giver, entry.tick * agenda.boat.method.step)
             self._by_order[entry.id] = crew.talk, agenda.plans

@@ -31,6 +31,7 @@ from trainer.io.serial_line import LinkError
 from trainer.web.gate import Refusals
 
 # Why a page's line is closed; a page says what to do about each.
+DEBRIEF_FACT: Final = ",debrief,"  # in a sentence: read it
 NO_SESSION: Final = 4001
 OLDER_PAGE: Final = 4002
 REFUSED: Final = 4003
@@ -177,12 +178,12 @@ class Bridge:
         """
         try:
             while line := await reader.readline():
-                text = line.decode("ascii", "replace").rstrip("\r\n")
-                await page.send_text(text)
+                sentence = line.decode("ascii", "replace").rstrip("\r\n")
+                await page.send_text(sentence)
                 if (
                     shelf
-                    and ",debrief," in text
-                    and (more := await asyncio.to_thread(also, text, shelf))
+                    and DEBRIEF_FACT in sentence
+                    and (more := await asyncio.to_thread(also, sentence, shelf))
                 ):
                     await page.send_text(more)
         except (OSError, ValueError, WebSocketDisconnect, RuntimeError):

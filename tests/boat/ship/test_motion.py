@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from helpers.ships import COEFFICIENTS, HEELED, ROLLING, SHIP
 
+from trainer.boat.ship.forces import System
 from trainer.boat.ship.models import heeling, model_of
 from trainer.boat.ship.motion import Moment, ShipMotion
 from trainer.config.ship import Result, ShipFile
@@ -37,7 +38,7 @@ def test_it_sails_to_the_bits_of_the_states_that_a_fit_goes_by(file: ShipFile) -
     begin = np.array([8.0, *[0.0] * (model.states - 1)])
     values = np.concatenate([model.whole(file.coefficients), np.zeros(len(model.noises)), begin])
     none, states = np.empty((0, 1), np.int64), np.empty((200, model.states))
-    system = np.array(file.constants), model.terms, values, none, model.driven
+    system = System(np.array(file.constants), model.terms, values, none, model.driven)
     assert sail_record(system, record, states) == 200
 
     motion, now = ShipMotion(file), Moment(0.0, 0.0, tuple(begin.tolist()), 0.0, 1.5)

@@ -310,7 +310,9 @@ def flown(boat: Boat, ticks: int, orders: dict[int, str], marks: dict[int, str])
         zip(names, np.array(rows).T, strict=True)
     )
     none = np.full(count, np.nan)
-    noted = tuple(Noted(1, tick, "mark", "scope", text, "") for tick, text in marks.items())
+    noted = tuple(
+        Noted(1, tick, "mark", "scope", text, "", "scope") for tick, text in marks.items()
+    )
     return Trajectory(boat, Limits(), (), np.arange(count), columns, none, none, noted)
 
 
@@ -403,7 +405,7 @@ def test_who_never_looks_has_detected_nothing(tmp_path: Path) -> None:
 
 def test_a_remark_of_another_is_no_mark_of_the_lookout_s(tmp_path: Path) -> None:
     passage = flown(at_sea(tmp_path, TANKER), 60, LOOKS, {50: "contact 200"})
-    remark = Noted(1, 45, "mark", "instructor 1", "contact 029", "")
+    remark = Noted(1, 45, "mark", "instructor 1", "contact 029", "", "instructor")
     told = replace(passage, marks=(*passage.marks, remark))
     assert attained(told, "time-to-detect") == (None, "big was not marked")
     alone = replace(passage, marks=(remark,))

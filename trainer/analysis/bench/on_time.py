@@ -24,6 +24,7 @@ from typing import Any, Final
 from trainer.analysis.bench.end_to_end import begin_session, line, on_terminal
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
+from trainer.io.paths import LISTENING
 from trainer.io.recording.recording import Recording
 from trainer.session.time.ledger import Histogram, Spread
 
@@ -71,8 +72,8 @@ def sail_in_crowd(file: VesselFile, seconds: float) -> Crowd:
             hung.say(wish)  # and nothing that it brings is ever read
         with begin_session(words) as session:
             try:
-                for text in session.stderr or ():  # until stations can join, or it is over
-                    if "listening at" in text:
+                for written in session.stderr or ():  # until stations can join, or it is over
+                    if LISTENING in written:
                         break
                 with console(folder / "s"):
                     account, complaint = session.communicate(timeout=seconds + ENDED)

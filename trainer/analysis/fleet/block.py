@@ -13,11 +13,12 @@ from trainer.core.autopilot.steering import GAIN_COUNT, OWN
 from trainer.core.ballast.air import at_work
 from trainer.core.ballast.ballast import advance_ballast
 from trainer.core.ballast.tanks import END, NEGATIVE, TRIM_FORWARD
+from trainer.core.casualties import FIRST_SLOT
 from trainer.core.current import is_moving
 from trainer.core.kernel import Numbers, Record, kernel, part, record_dtype
 from trainer.core.scheme import ADAMS
 from trainer.core.scheme import COMPACT as COMPACT_SET
-from trainer.core.state import STATE
+from trainer.core.state import GROUND_DEPTH, STATE
 from trainer.core.vessel import COMPACT, VESSEL
 
 TERMS = 2  # of Adams' method
@@ -58,7 +59,7 @@ def tanks_rest(vessel: Record, state: Record) -> bool:
 def alone_in_the_world(state: Record) -> bool:
     """Return whether neither current nor ground nor ships act on a boat."""
     s = state[0]
-    acting = 1 if is_moving(state) or s.bottom[0, 0] != 0.0 else 0
+    acting = 1 if is_moving(state) or s.bottom[GROUND_DEPTH, 0] != 0.0 else 0
     for i in range(6):
         acting += 1 if s.ship_force[i] != 0.0 else 0
     return acting == 0
@@ -74,7 +75,7 @@ def ordinary(vessel: Record, state: Record) -> bool:
     steady = s.trim_by_hand != 0.0 and s.wave_share == 0.0 and s.wave_count == 0.0
     steady = steady and s.ascent == 0.0 and s.trim_flood == 0.0 and s.trim_forward == 0.0
     free = s.held_depth == 0.0 and s.held_position == 0.0 and s.held_tanks == 0.0
-    sound = s.casualty[0] == 0.0 and s.depth_law == OWN
+    sound = s.casualty[FIRST_SLOT] == 0.0 and s.depth_law == OWN
     return (
         constant_buoyancy
         and calm

@@ -28,7 +28,7 @@ from trainer.core.autopilot.speed import keep_speed
 from trainer.core.autopilot.steering import GAIN_COUNT, fade
 from trainer.core.compact import add_external, forces, further_forces, lagged_rates
 from trainer.core.elementary import cosine_and_sine
-from trainer.core.envelope import cross_speed_squared
+from trainer.core.envelope import AHEAD, BY_FLOW_FLOW, BY_N_FLOW, BY_N_N, cross_speed_squared
 from trainer.core.integrators import adams_of
 from trainer.core.kernel import Numbers, Record, inlined, kernel
 from trainer.core.kinematics import kinematics
@@ -262,8 +262,8 @@ def answer(h: float, out: Numbers) -> None:
     for lane in every_lane():
         c, s = vessel_in(out, lane)[0], state_in(out, lane)[0]
         flow, turns = max(s.u, 0.0) / c.screw, s.telegraph_answer * c.turns
-        torque = turns * (c.torque[0, 0] * turns + c.torque[0, 1] * flow)
-        torque += c.torque[0, 2] * flow * flow
+        torque = turns * (c.torque[AHEAD, BY_N_N] * turns + c.torque[AHEAD, BY_N_FLOW] * flow)
+        torque += c.torque[AHEAD, BY_FLOW_FLOW] * flow * flow
         limited = 1.0 if c.torque_limit > 0.0 and s.telegraph_answer > s.u else 0.0
         at_limit = 1.0 if torque > c.torque_limit * ALMOST else 0.0
         astern = 1.0 if c.torque_limit > 0.0 and s.telegraph_answer < 0.0 else 0.0

@@ -11,20 +11,51 @@ same with its term times roll rate, 8 to 11 times roll. Accelerations have a row
 """
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat.ship.forward_numbers import DIRECTIONS, Quantity, quantities, run_steps
+from trainer.boat.ship.forward_numbers import (
+    DIRECTIONS,
+    SLOPES,
+    VALUE,
+    Quantity,
+    quantities,
+    run_steps,
+)
 from trainer.core.kernel import Numbers, inlined, kernel
 
 Terms = NDArray[np.int64]
-Units = tuple[float, float, float, float]  # length, stiffness of roll, roll rate and roll
 Driven = tuple[int, ...]  # places in the state of what the equations accelerate
-# ship, terms, values, places of the free ones; the last one's length is known to the compiler
-System = tuple[Numbers, Terms, Numbers, Terms, Driven]
 
+
+class Units(NamedTuple):
+    """What terms are in units of, or are times."""
+
+    length: float
+    stiffness: float  # of roll
+    roll_rate: float
+    roll: float
+
+
+class System(NamedTuple):
+    """A ship as the kernels take it.
+
+    The length of ``driven`` is known to the compiler.
+    """
+
+    ship: Numbers
+    terms: Terms  # their places and rows
+    values: Numbers  # their factors, and what follows them
+    free: Terms  # places of the free ones
+    driven: Driven
+
+
+PLACE, ROW = 0, 1  # columns of the terms
+LENGTH: Final = 0  # place in the ship's numbers
+U, V, R = 0, 1, 2  # places in the state
+RUDDER, TURNS, WIND_AHEAD, WIND_ASIDE = 0, 1, 2, 3  # places in the inputs
 NONLINEAR: Final = 5  # coefficients that are not factors of a term
 SHIP: Final = 6  # length, propeller diameter, three coefficients of K_T, 1-w
 ADVANCE: Final = 6  # place of the ship's own advance [m] a turn, after these
@@ -127,7 +158,7 @@ def _hold(table: Numbers, row: int, value: float) -> None:
     """Write a constant."""
     for i in range(table.shape[1]):
         table[row, i] = 0.0
-    table[row, 0] = value
+    table[row, VALUE] = value
 
 
 @kernel
@@ -141,13 +172,14 @@ def set_terms(table: Numbers, ship: Numbers, x: Numbers, c: Numbers, rudder: Num
     """
     for i in range(DIRECTIONS):
         _hold(table, i, x[i] if i < 3 else rudder[i - 3])
-        if 1 + i < table.shape[1]:
-            table[i, 1 + i] = 1.0
+        if SLOPES + i < table.shape[1]:
+            table[i, SLOPES + i] = 1.0
     for i in range(SHIP):
         _hold(table, DIRECTIONS + i, ship[i])
-    wind = math.sqrt(c[2] * c[2] + c[3] * c[3] + 1e-4)
-    helm = c[0], math.sin(c[0]), math.cos(c[0]), c[1]
-    given = (*helm, c[3] * wind, c[2] * c[3], c[2] * wind, ship[ADVANCE] * c[1])
+    angle, turns, ahead, aside = c[RUDDER], c[TURNS], c[WIND_AHEAD], c[WIND_ASIDE]
+    wind = math.sqrt(ahead * ahead + aside * aside + 1e-4)
+    helm = angle, math.sin(angle), math.cos(angle), turns
+    given = (*helm, aside * wind, ahead * aside, ahead * wind, ship[ADVANCE] * turns)
     for i in range(INPUTS):
         _hold(table, DIRECTIONS + SHIP + i, given[i])
     for i in range(LITERALS.size):
@@ -160,14 +192,14 @@ def rows_of(terms: Terms) -> int:
     """Return how many rows of a table these terms need."""
     most = 0
     for j in range(terms.shape[0]):
-        most = max(most, terms[j, 1] + 1)
+        most = max(most, terms[j, ROW] + 1)
     return most
 
 
 @inlined
 def units_of(ship: Numbers, x: Numbers) -> Units:
     """Return length and stiffness with the last two of the state."""
-    return ship[0], ship[STIFFNESS], x[x.size - 2], x[x.size - 1]
+    return Units(ship[LENGTH], ship[STIFFNESS], x[x.size - 2], x[x.size - 1])
 
 
 @inlined
@@ -180,10 +212,10 @@ def in_units(factor: float, place: int, units: Units) -> float:
     if place < 2:
         return factor
     if place in (2, 3, 2 * AXES + 2):
-        return factor / units[0]
+        return factor / units.length
     if place == AXES + 3:
-        return factor * math.sqrt(units[1])
-    return factor * units[1] if place == 2 * AXES + 3 else factor
+        return factor * math.sqrt(units.stiffness)
+    return factor * units.stiffness if place == 2 * AXES + 3 else factor
 
 
 @kernel
@@ -197,10 +229,10 @@ def add_terms(table: Numbers, terms: Terms, factors: Numbers, ship: Numbers, out
         for i in range(out.shape[1]):
             out[e, i] = 0.0
     for j in range(terms.shape[0]):
-        place = terms[j, 0]
+        place = terms[j, PLACE]
         factor = in_units(factors[j], place, units)
         for i in range(out.shape[1]):
-            out[place, i] += factor * table[terms[j, 1], i]
+            out[place, i] += factor * table[terms[j, ROW], i]
 
 
 @kernel

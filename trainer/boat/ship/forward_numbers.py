@@ -24,6 +24,10 @@ FIRST: Final = 1 + DIRECTIONS  # columns of a number with first derivatives
 SECOND: Final = FIRST + 21  # and with second ones
 MULTIPLY, SCALE, ADD, SUBTRACT, ROOT, INVERT, EXPONENTIAL = range(7)
 
+VALUE: Final = 0  # column of the value itself
+SLOPES: Final = 1  # first column of its first derivatives
+KIND, ROW, OTHER_ROW = 0, 1, 2  # columns of the steps
+
 Steps = NDArray[np.int64]
 
 
@@ -79,8 +83,8 @@ def quantities(variables: int, constants: int) -> tuple[Quantity, ...]:
 @kernel
 def _multiply(table: Numbers, a: int, b: int, out: int) -> None:
     """Write the product of two rows."""
-    x, y = table[a, 0], table[b, 0]
-    table[out, 0] = x * y
+    x, y = table[a, VALUE], table[b, VALUE]
+    table[out, VALUE] = x * y
     for i in range(1, min(table.shape[1], FIRST)):
         table[out, i] = x * table[b, i] + y * table[a, i]
     if table.shape[1] > FIRST:
@@ -95,15 +99,16 @@ def _multiply(table: Numbers, a: int, b: int, out: int) -> None:
 @kernel
 def _compose(table: Numbers, a: int, shape: tuple[float, float, float], out: int) -> None:
     """Write f of a row; ``shape`` has f and its two derivatives there."""
-    table[out, 0] = shape[0]
+    value, slope, curve = shape
+    table[out, VALUE] = value
     for i in range(1, min(table.shape[1], FIRST)):
-        table[out, i] = shape[1] * table[a, i]
+        table[out, i] = slope * table[a, i]
     if table.shape[1] > FIRST:
         place = FIRST
         for i in range(1, 1 + STATES):
             for j in range(i, FIRST):
-                bend = shape[2] * table[a, i] * table[a, j]
-                table[out, place] = shape[1] * table[a, place] + bend
+                bend = curve * table[a, i] * table[a, j]
+                table[out, place] = slope * table[a, place] + bend
                 place += 1
 
 
@@ -123,8 +128,9 @@ def _shape(kind: int, x: float) -> tuple[float, float, float]:
 @kernel
 def _add(table: Numbers, p: tuple[int, float], q: tuple[int, float], out: int) -> None:
     """Write the sum of two rows, each times its factor."""
+    (a, by_a), (b, by_b) = p, q
     for i in range(table.shape[1]):
-        table[out, i] = p[1] * table[p[0], i] + q[1] * table[q[0], i]
+        table[out, i] = by_a * table[a, i] + by_b * table[b, i]
 
 
 @kernel
@@ -135,15 +141,15 @@ def run_steps(table: Numbers, steps: Steps, first: int) -> None:
     """
     out = first
     for k in range(min(steps.shape[0], table.shape[0] - first)):
-        kind, a, b = steps[k, 0], steps[k, 1], steps[k, 2]
+        kind, a, b = steps[k, KIND], steps[k, ROW], steps[k, OTHER_ROW]
         if kind == MULTIPLY:
             _multiply(table, a, b, out)
         elif kind == SCALE:
-            _add(table, (a, table[b, 0]), (a, 0.0), out)
+            _add(table, (a, table[b, VALUE]), (a, 0.0), out)
         elif kind < ROOT:
             _add(table, (a, 1.0), (b, 1.0 if kind == ADD else -1.0), out)
         else:
-            _compose(table, a, _shape(kind, table[a, 0]), out)
+            _compose(table, a, _shape(kind, table[a, VALUE]), out)
         out += 1
 
 

@@ -11,14 +11,19 @@ from trainer.boat.ship.forces import (
     PLACES,
     ROLL,
     ROLL_RATE,
+    RUDDER,
     Driven,
+    R,
     System,
+    U,
+    V,
     add_heel,
     add_terms,
     rows_of,
     set_terms,
     states_of,
 )
+from trainer.boat.ship.forward_numbers import VALUE
 from trainer.boat.ship.models import check_names, model_for
 from trainer.config.files import ConfigError
 from trainer.config.ship import ShipFile
@@ -37,25 +42,40 @@ STEADY_STEPS: Final = 60  # of Newton, to speed held straight
 CLOSE: Final = 1e-10
 NONE_FREE: Final = np.empty((0, 1), np.int64)
 
-Work = tuple[Numbers, Numbers, Numbers]  # a table, its rates, and three states
+
+class MotionRoom(NamedTuple):
+    """Scratch of a step."""
+
+    table: Numbers  # of the terms
+    rates: Numbers  # accelerations
+    stage: Numbers  # the state within the step
+    rate: Numbers  # dx/dt there
+    total: Numbers  # weighted sum of those rates
+
+
+def new_room(system: System) -> MotionRoom:
+    """Return scratch for a ship's steps."""
+    driven = system.driven
+    places = PLACES if len(driven) == AXES else len(driven)
+    states = (np.empty(states_of(driven)) for _ in range(3))
+    return MotionRoom(np.empty((rows_of(system.terms), 1)), np.empty((places, 1)), *states)
 
 
 @kernel
 def is_ship(x: Numbers) -> bool:
     """Return whether a state is that of a ship under way."""
     upright = x.size <= ROLL or (abs(x[ROLL_RATE]) <= TURNING and abs(x[ROLL]) <= OVER)
-    size = abs(x[0]) <= FASTEST and abs(x[1]) <= FASTEST and abs(x[2]) <= TURNING
-    return x[0] >= SLOWEST and size and upright
+    size = abs(x[U]) <= FASTEST and abs(x[V]) <= FASTEST and abs(x[R]) <= TURNING
+    return x[U] >= SLOWEST and size and upright
 
 
 @kernel
 def set_rates(system: System, x: Numbers, c: Numbers, table: Numbers, rates: Numbers) -> None:
     """Write the accelerations (places, columns) at a state and inputs; ``table`` is scratch."""
-    ship, terms, values, _, _ = system
-    count = terms.shape[0]
-    set_terms(table, ship, x, c, values[count : count + NONLINEAR])
-    add_terms(table, terms, values, ship, rates)
-    if len(system[4]) == AXES:
+    count = system.terms.shape[0]
+    set_terms(table, system.ship, x, c, system.values[count : count + NONLINEAR])
+    add_terms(table, system.terms, system.values, system.ship, rates)
+    if len(system.driven) == AXES:
         add_heel(x, rates)
 
 
@@ -63,34 +83,36 @@ def set_rates(system: System, x: Numbers, c: Numbers, table: Numbers, rates: Num
 def set_derivative(driven: Driven, x: Numbers, rates: Numbers, out: Numbers) -> None:
     """Write dx/dt from the accelerations."""
     for e in range(len(driven)):
-        out[driven[e]] = rates[e, 0]
+        out[driven[e]] = rates[e, VALUE]
     for i in range(3, states_of(driven), 2):
         out[i] = x[i - 1]
 
 
 @kernel
-def advance(system: System, x: Numbers, c: Numbers, rudder: float, h: float, work: Work) -> None:
-    """Advance a state by ``h`` [s], by Runge and Kutta.
+def advance(
+    system: System, x: Numbers, c: Numbers, rudder: float, h: float, room: MotionRoom
+) -> bool:
+    """Advance a state by ``h`` [s]; return whether it is still a ship.
 
-    The rudder goes to ``rudder`` [rad] meanwhile. ``c`` are the inputs as they are, and become
-    those at the end; the last two are the wind.
+    It is by Runge and Kutta. The rudder goes to ``rudder`` [rad] meanwhile. ``c`` are the inputs
+    as they are, and become those at the end; the last two are the wind.
     """
-    table, rates, lines = work
-    stage, rate, total = lines[0], lines[1], lines[2]
-    before, states = c[0], states_of(system[4])
+    stage, rate, total = room.stage, room.rate, room.total
+    before, states = c[RUDDER], states_of(system.driven)
     for i in range(states):
         total[i] = 0.0
         rate[i] = 0.0
     for n in range(4):
         for i in range(states):
             stage[i] = x[i] + STAGES[n] * h * rate[i]
-        c[0] = before + STAGES[n] * (rudder - before)
-        set_rates(system, stage, c, table, rates)
-        set_derivative(system[4], stage, rates, rate)
+        c[RUDDER] = before + STAGES[n] * (rudder - before)
+        set_rates(system, stage, c, room.table, room.rates)
+        set_derivative(system.driven, stage, room.rates, rate)
         for i in range(states):
             total[i] += WEIGHTS[n] * rate[i]
     for i in range(states):
         x[i] += h / 6.0 * total[i]
+    return is_ship(x)
 
 
 class Moment(NamedTuple):
@@ -123,13 +145,13 @@ class ShipMotion:
             [model.whole(ship.coefficients), np.zeros(len(model.noises) + model.states)]
         )
         constants = np.array(ship.constants)
-        self._system: System = constants, model.terms, values, NONE_FREE, model.driven
-        self._rows = rows_of(model.terms)
+        self._system = System(constants, model.terms, values, NONE_FREE, model.driven)
+        self._room = new_room(self._system)
 
     @property
     def states(self) -> int:
         """Return how many states there are."""
-        return states_of(self._system[4])
+        return states_of(self._system.driven)
 
     @property
     def step(self) -> float:
@@ -154,37 +176,28 @@ class ShipMotion:
         rudder = now.rudder + min(
             max(min(max(wanted, -self.limit), self.limit) - now.rudder, -most), most
         )
-        x, c = np.array(now.state), np.array([now.rudder, now.turns, 0.0, 0.0])
-        advance(self._system, x, c, rudder, h, self._work())
-        if not is_ship(x):
+        before, c = np.array(now.state), np.array([now.rudder, now.turns, 0.0, 0.0])
+        x = before.copy()
+        if not advance(self._system, x, c, rudder, h, self._room):
             return None
-        u, v, _, psi, *_ = (0.5 * (np.array(now.state) + x)).tolist()
+        u, v, _, psi, *_ = (0.5 * (before + x)).tolist()
         north = now.north + h * (u * math.cos(psi) - v * math.sin(psi))
         east = now.east + h * (u * math.sin(psi) + v * math.cos(psi))
         return Moment(north, east, tuple(x.tolist()), rudder, now.turns)
 
-    def _work(self) -> Work:
-        """Return room for the terms, their sums and three states."""
-        driven = self._system[4]
-        places = PLACES if len(driven) == AXES else len(driven)
-        return (
-            np.empty((self._rows, 1)),
-            np.empty((places, 1)),
-            np.empty((3, states_of(driven))),
-        )
-
     def _rates(self, state: Numbers, rudder: float, turns: float) -> Numbers:
         """Return du/dt, dv/dt, dr/dt, and with roll dp/dt, in no wind."""
-        table, rates, _ = self._work()
-        set_rates(self._system, state, np.array([rudder, turns, 0.0, 0.0]), table, rates)
-        return np.array(rates[: len(self._system[4]), 0])
+        room = new_room(self._system)
+        inputs = np.array([rudder, turns, 0.0, 0.0])
+        set_rates(self._system, state, inputs, room.table, room.rates)
+        return np.array(room.rates[: len(self._system.driven), VALUE])
 
     def _steady(self, speed: float) -> tuple[float, ...]:
         """Return sway [m/s], rudder [rad] and revolutions [1/s] of straight motion, by Newton.
 
         With roll, also the heel [rad].
         """
-        axes = len(self._system[4])
+        axes = len(self._system.driven)
         scale = np.array([speed, 1.0, self.result.revolutions_per_s or 1.0, 1.0])[:axes]
         found = np.zeros(axes)
         found[2] = scale[2] * speed / (self.result.speed_kn * KNOT)

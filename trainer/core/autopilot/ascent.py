@@ -13,11 +13,11 @@ from typing import Final
 
 from trainer.core.autopilot.steering import OWN, stand_by
 from trainer.core.kernel import Numbers, Record, part
+from trainer.core.vessel import PITCH_GAIN, PITCH_RATE_GAIN, STERN_GAINS
 from trainer.units import KNOT
 
 NONE, RISING, AFLOAT = 0, 1, 2  # of the state's ``ascent``
 EMERGENCY: Final = 2.0  # [-] of a blow valve
-MAIN: Final = 3  # groups of main ballast, the last one aft
 
 DEGREE: Final = math.pi / 180.0
 BUBBLE: Final = 10.0 * DEGREE  # [rad] bow up
@@ -38,7 +38,7 @@ SURFACED: Final = 0.625  # [diameters] of the origin: the boat is at the surface
 def is_blown(state: Record) -> bool:
     """Return whether a main tank's emergency valve is open."""
     s = state[0]
-    return s.blow[0] == EMERGENCY or s.blow[1] == EMERGENCY or s.blow[2] == EMERGENCY
+    return EMERGENCY in (s.blow_forward, s.blow_mid, s.blow_aft)
 
 
 @part
@@ -73,7 +73,8 @@ def take_up_bubble(h: float, state: Record) -> None:
     s = state[0]
     wanted = 0.0
     if is_blown(state):
-        share = (s.u - FAST[0]) / (FAST[1] - FAST[0])
+        slow, fast = FAST
+        share = (s.u - slow) / (fast - slow)
         wanted = BUBBLE + MORE * min(max(share, 0.0), 1.0)
     change = wanted - s.ascent_pitch
     s.ascent_pitch += min(max(change, -TAKEN_UP * h), TAKEN_UP * h)
@@ -88,14 +89,14 @@ def hold_bubble(vessel: Record, h: float, gains: Numbers, state: Record) -> None
     c = vessel[0]
     s = state[0]
     take_up_bubble(h, state)
-    angle = max(STIFF, abs(gains[2])) * (s.theta - s.ascent_pitch)
-    angle += max(DAMPED, abs(gains[3])) * s.q
+    angle = max(STIFF, abs(gains[STERN_GAINS + PITCH_GAIN])) * (s.theta - s.ascent_pitch)
+    angle += max(DAMPED, abs(gains[STERN_GAINS + PITCH_RATE_GAIN])) * s.q
     most = min(MOST, c.limit_s)
     down = 1.0 if c.M_ds <= 0.0 else -1.0  # [-] sign of an angle that takes the bow down
     s.command_s = s.ordered_s if s.stern_by_hand != 0.0 else min(max(down * angle, -most), most)
     s.command_b = s.ordered_b if s.bow_by_hand != 0.0 else 0.0
-    if s.blow[0] == EMERGENCY:
-        s.blow[MAIN - 1] = EMERGENCY if s.theta > HELD_AFT else 0.0
+    if s.blow_forward == EMERGENCY:
+        s.blow_aft = EMERGENCY if s.theta > HELD_AFT else 0.0
 
 
 @part

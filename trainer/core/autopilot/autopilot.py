@@ -18,10 +18,10 @@ from trainer.core.autopilot.reference import slew_course, slew_depth
 from trainer.core.autopilot.speed import keep_speed
 from trainer.core.autopilot.steering import (
     BOW,
-    PLANE_COUNT,
     RUDDER,
     STERN,
     fade,
+    first_gain,
     scheduled_gains,
     stand_by,
 )
@@ -47,8 +47,8 @@ def hold_commands(gains: Numbers, state: Record) -> None:
         if s.by_hand[surface] != 0.0:
             s.command[surface] = s.ordered[surface]
     stand_by(state, RUDDER, course_law(state, gains), False)  # noqa: FBT003 a fact
-    stand_by(state, STERN, plane_law(state, gains, 0), False)  # noqa: FBT003
-    stand_by(state, BOW, plane_law(state, gains, PLANE_COUNT), False)  # noqa: FBT003
+    stand_by(state, STERN, plane_law(state, gains, first_gain(STERN)), False)  # noqa: FBT003
+    stand_by(state, BOW, plane_law(state, gains, first_gain(BOW)), False)  # noqa: FBT003
 
 
 @part
@@ -62,12 +62,12 @@ def keep_planes(vessel: Record, h: float, gains: Numbers, state: Record) -> None
     watch_blow(vessel, state)
     if s.ascent != NONE:
         come_up(vessel, h, gains, state)
-        go_on_from(state, STERN, plane_law(state, gains, 0))
-        go_on_from(state, BOW, plane_law(state, gains, PLANE_COUNT))
+        go_on_from(state, STERN, plane_law(state, gains, first_gain(STERN)))
+        go_on_from(state, BOW, plane_law(state, gains, first_gain(BOW)))
     elif is_hovering(state):
         lay_amidships(state)
-        stand_by(state, STERN, plane_law(state, gains, 0), False)  # noqa: FBT003 a fact
-        stand_by(state, BOW, plane_law(state, gains, PLANE_COUNT), False)  # noqa: FBT003
+        stand_by(state, STERN, plane_law(state, gains, first_gain(STERN)), False)  # noqa: FBT003 a fact
+        stand_by(state, BOW, plane_law(state, gains, first_gain(BOW)), False)  # noqa: FBT003
     else:
         keep_depth(vessel, h, gains, state)
         return

@@ -4,8 +4,9 @@ Its angle is the sum of gains times course error, yaw rate and sway, plus an int
 """
 
 from trainer.core.autopilot.reference import within
-from trainer.core.autopilot.steering import ASTERN, RUDDER, RUDDER_GAINS, stand_by, steer
+from trainer.core.autopilot.steering import ASTERN, RUDDER, stand_by, steer
 from trainer.core.kernel import Numbers, Record, part
+from trainer.core.vessel import COURSE_GAIN, COURSE_INTEGRAL_GAIN, SWAY_GAIN, YAW_RATE_GAIN
 
 
 @part
@@ -13,9 +14,9 @@ def course_law(state: Record, gains: Numbers) -> float:
     """Return the rudder angle [rad] of a boat going ahead, without the integral."""
     s = state[0]
     return (
-        gains[RUDDER_GAINS] * (s.psi_reference - s.psi)
-        + gains[RUDDER_GAINS + 1] * (s.psi_reference_rate - s.r)
-        + gains[RUDDER_GAINS + 2] * s.v
+        gains[COURSE_GAIN] * (s.psi_reference - s.psi)
+        + gains[YAW_RATE_GAIN] * (s.psi_reference_rate - s.r)
+        + gains[SWAY_GAIN] * s.v
     )
 
 
@@ -36,5 +37,5 @@ def keep_course(vessel: Record, h: float, gains: Numbers, state: Record) -> None
     else:
         step = 0.0
         if abs(s.psi_reference_rate) < vessel[0].turning_rate:
-            step = h * gains[RUDDER_GAINS + 3] * (s.psi_reference - s.psi)
+            step = h * gains[COURSE_INTEGRAL_GAIN] * (s.psi_reference - s.psi)
         steer(vessel, state, RUDDER, law, step)

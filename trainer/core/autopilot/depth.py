@@ -13,16 +13,16 @@ tanks must keep the depth.
 
 from typing import Final
 
-from trainer.core.autopilot.reference import DEPTH_SLEW, leash, within
+from trainer.core.autopilot.reference import leash, within
 from trainer.core.autopilot.report_law import report_angle
 from trainer.core.autopilot.steering import (
     ASTERN,
     BOW,
     OWN,
-    PLANE_COUNT,
     SETTLED,
     SLOWEST,
     STERN,
+    first_gain,
     is_level,
     is_turning,
     stand_by,
@@ -30,6 +30,16 @@ from trainer.core.autopilot.steering import (
 )
 from trainer.core.autopilot.waves import law_in_waves, learning_in_waves, pass_notches
 from trainer.core.kernel import Numbers, Record, part
+from trainer.core.vessel import (
+    DEPTH_GAIN,
+    DEPTH_RATE_GAIN,
+    DEPTH_SLEW,
+    INTEGRAL_GAIN,
+    PITCH_GAIN,
+    PITCH_RATE_GAIN,
+    RELIEF_GAIN,
+    SLEW_RATE,
+)
 from trainer.units import KNOT
 
 FAR: Final = 0.5  # [-] share of the leash, and of the allowed depth rate
@@ -46,10 +56,10 @@ def plane_law(state: Record, gains: Numbers, first: int) -> float:
     s = state[0]
     pitch_wanted = -s.depth_reference_rate / max(s.u, SLOWEST)
     return (
-        gains[first] * (s.depth_reference - s.z)
-        + gains[first + 1] * (s.depth_reference_rate - s.zdot)
-        + gains[first + 2] * (s.theta - pitch_wanted)
-        + gains[first + 3] * s.q
+        gains[first + DEPTH_GAIN] * (s.depth_reference - s.z)
+        + gains[first + DEPTH_RATE_GAIN] * (s.depth_reference_rate - s.zdot)
+        + gains[first + PITCH_GAIN] * (s.theta - pitch_wanted)
+        + gains[first + PITCH_RATE_GAIN] * s.q
     )
 
 
@@ -62,11 +72,11 @@ def law_astern(state: Record, gains: Numbers, surface: int) -> float:
     goes ahead.
     """
     s = state[0]
-    first = PLANE_COUNT * (surface - STERN)
+    first = first_gain(surface)
     if surface == STERN:
-        return -gains[first + 2] * s.theta - gains[first + 3] * s.q
-    depth = gains[first] * (s.depth_reference - s.z)
-    return -depth - gains[first + 1] * (s.depth_reference_rate - s.zdot)
+        return -gains[first + PITCH_GAIN] * s.theta - gains[first + PITCH_RATE_GAIN] * s.q
+    depth = gains[first + DEPTH_GAIN] * (s.depth_reference - s.z)
+    return -depth - gains[first + DEPTH_RATE_GAIN] * (s.depth_reference_rate - s.zdot)
 
 
 @part
@@ -82,7 +92,7 @@ def depth_error(gains: Numbers, state: Record) -> float:
     rate, share = s.depth_reference_rate, SETTLED
     if abs(error) > FAR * leash(gains, DEPTH_SLEW):
         rate, share = s.zdot, FAR
-    return error if abs(rate) < share * gains[DEPTH_SLEW] else 0.0
+    return error if abs(rate) < share * gains[DEPTH_SLEW + SLEW_RATE] else 0.0
 
 
 @part
@@ -103,7 +113,7 @@ def keep_plane(
     ``lasting`` [rad] is the bow planes' angle that the stern planes are to take over.
     """
     s = state[0]
-    first = PLANE_COUNT * (surface - STERN)
+    first = first_gain(surface)
     law = plane_law(state, gains, first)
     pass_notches(vessel, h, gains, state, surface, law)
     law = law_in_waves(state, surface, law)
@@ -117,9 +127,9 @@ def keep_plane(
         back(vessel, gains, state, surface)
         stand_by(state, surface, law, False)  # noqa: FBT003 a fact
     else:
-        step = h * gains[first + 4] * depth_error(gains, state)
+        step = h * gains[first + INTEGRAL_GAIN] * depth_error(gains, state)
         step *= learning_in_waves(vessel, gains, state)
-        steer(vessel, state, surface, law, step + h * gains[first + 5] * lasting)
+        steer(vessel, state, surface, law, step + h * gains[first + RELIEF_GAIN] * lasting)
 
 
 @part

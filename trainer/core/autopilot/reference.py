@@ -8,9 +8,9 @@ allowed, and not with all hard over.
 import math
 
 from trainer.core.kernel import Numbers, Record, part
+from trainer.core.vessel import DEPTH_SLEW, SLEW_ACCELERATION, SLEW_COUNT, SLEW_RATE
 
 DEPTH, COURSE = 0, 1  # axes
-DEPTH_SLEW = 16  # place in the schedule of gains: a rate, an acceleration; the course's follow
 
 LEASH = 0.25  # [-]
 APPROACH = 4.0  # [ticks] time constant of the last approach, too slow to hunt
@@ -37,8 +37,9 @@ def leash(gains: Numbers, slew: int) -> float:
 
     It is a share of how far the reference goes at its rate in the time that it needs to reach it.
     """
-    if gains[slew + 1] > 0.0:
-        return LEASH * gains[slew] * gains[slew] / gains[slew + 1]
+    rate, acceleration = gains[slew + SLEW_RATE], gains[slew + SLEW_ACCELERATION]
+    if acceleration > 0.0:
+        return LEASH * rate * rate / acceleration
     return 0.0
 
 
@@ -55,9 +56,10 @@ def move_reference(axis: int, here: float, h: float, gains: Numbers, state: Reco
     The boat is ``here`` [m or rad].
     """
     s = state[0]
-    slew = DEPTH_SLEW + 2 * axis
+    slew = DEPTH_SLEW + SLEW_COUNT * axis
+    fastest, gentlest = gains[slew + SLEW_RATE], gains[slew + SLEW_ACCELERATION]
     distance, rate = s.ordered_place[axis] - s.reference[axis], s.reference_rate[axis]
-    s.reference_rate[axis] = slewed_rate(distance, rate, gains[slew], gains[slew + 1], h)
+    s.reference_rate[axis] = slewed_rate(distance, rate, fastest, gentlest, h)
     moved = s.reference[axis] + h * s.reference_rate[axis]
     s.reference[axis] = within(moved, here, leash(gains, slew))
 
@@ -72,7 +74,8 @@ def follow_boat(axis: int, here: float, rate: float, gains: Numbers, state: Reco
     """
     s = state[0]
     s.reference[axis] = here
-    s.reference_rate[axis] = within(rate, 0.0, gains[DEPTH_SLEW + 2 * axis])
+    fastest = gains[DEPTH_SLEW + SLEW_COUNT * axis + SLEW_RATE]
+    s.reference_rate[axis] = within(rate, 0.0, fastest)
 
 
 @part

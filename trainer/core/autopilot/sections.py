@@ -10,7 +10,8 @@ from trainer.core.elementary import cosine_and_sine
 from trainer.core.kernel import Numbers, part
 
 Section = tuple[float, float, float, float, float]
-KEPT: Final = 3  # numbers of a section in the state: two memories, and the output
+KEPT: Final = 3  # numbers of a section in the state
+EARLY, LATE, OUTPUT = 0, 1, 2  # their places: two memories, and the output
 LONGEST: Final = 1.4  # [rad] largest half angle per step; a larger one cannot be warped
 
 
@@ -54,8 +55,8 @@ def pass_section(section: Section, x: float, fresh: bool, place: int, out: Numbe
     """
     b0, b1, b2, a1, a2 = section
     if fresh:
-        out[place], out[place + 1] = (1.0 - b0) * x, (b2 - a2) * x
-    y = b0 * x + out[place]
-    out[place] = b1 * x - a1 * y + out[place + 1]
-    out[place + 1] = b2 * x - a2 * y
-    out[place + 2] = y
+        out[place + EARLY], out[place + LATE] = (1.0 - b0) * x, (b2 - a2) * x
+    y = b0 * x + out[place + EARLY]
+    out[place + EARLY] = b1 * x - a1 * y + out[place + LATE]
+    out[place + LATE] = b2 * x - a2 * y
+    out[place + OUTPUT] = y

@@ -36,7 +36,8 @@ def follow_speed(h: float, state: Record) -> None:
 @part
 def largest_trim(state: Record) -> float:
     """Return the largest trim [m/s] that is allowed, either way."""
-    return MOST[0] * abs(state[0].ordered_speed) + MOST[1]
+    share, rest = MOST
+    return share * abs(state[0].ordered_speed) + rest
 
 
 @part

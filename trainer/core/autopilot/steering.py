@@ -5,17 +5,20 @@ A surface in hand is followed, so that the autopilot takes it over at the angle 
 
 from typing import Final
 
-from trainer.core.autopilot.reference import DEPTH_SLEW
 from trainer.core.elementary import exponential
 from trainer.core.kernel import Numbers, Record, part
-from trainer.core.vessel import GAINS, PLANE_GAINS
+from trainer.core.vessel import (
+    DEPTH_SLEW,
+    GAINS,
+    PLANE_COUNT,
+    SLEW_ACCELERATION,
+    SLEW_RATE,
+    STERN_GAINS,
+)
 
 OWN, REPORT, REPORT_LITERAL = 0, 1, 2  # depth laws
 RUDDER, STERN, BOW = 0, 1, 2  # surfaces, as in the state record
 
-# places in the schedule of gains, in the order of vessel.GAINS
-PLANE_COUNT: Final = len(PLANE_GAINS)
-RUDDER_GAINS: Final = 2 * PLANE_COUNT
 GAIN_COUNT: Final = len(GAINS)
 
 SLOWEST: Final = 0.5  # [m/s] the least speed that is divided by
@@ -44,11 +47,17 @@ def scheduled_gains(vessel: Record, u: float, gains: Numbers) -> None:
 
 
 @part
+def first_gain(surface: int) -> int:
+    """Return the place [-] of the first gain of a pair of planes."""
+    return STERN_GAINS + PLANE_COUNT * (surface - STERN)
+
+
+@part
 def is_level(gains: Numbers, state: Record) -> bool:
     """Return whether the boat neither changes depth nor pitches, so that its trim shows."""
     s = state[0]
-    pitch_rate = SETTLED * gains[DEPTH_SLEW + 1] / max(s.u, SLOWEST)
-    return abs(s.zdot) < SETTLED * gains[DEPTH_SLEW] and abs(s.q) < pitch_rate
+    pitch_rate = SETTLED * gains[DEPTH_SLEW + SLEW_ACCELERATION] / max(s.u, SLOWEST)
+    return abs(s.zdot) < SETTLED * gains[DEPTH_SLEW + SLEW_RATE] and abs(s.q) < pitch_rate
 
 
 @part

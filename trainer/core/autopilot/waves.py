@@ -14,9 +14,10 @@ estimates. docs/autopilot.md has what they reach, and what failed.
 
 from typing import Final
 
-from trainer.core.autopilot.sections import KEPT, notch, pass_section
-from trainer.core.autopilot.steering import PLANE_COUNT, STERN
+from trainer.core.autopilot.sections import KEPT, OUTPUT, notch, pass_section
+from trainer.core.autopilot.steering import STERN, first_gain
 from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.vessel import PITCH_RATE_GAIN, STERN_GAINS
 
 SLOW: Final = 0.3  # [rad/s] slower motion is the boat's own
 MEMORY: Final = 60.0  # [s] over which the strength of the waves is averaged
@@ -28,6 +29,7 @@ SHORTEST: Final = 1.5  # [s] between two crossings that count
 BELOW, ABOVE = 0.8, 1.25  # [-] of the frequency met, where the notches are
 ZEROS, POLES = 0.1, 0.4  # [-] damping ratios of the notches
 NOTCHES: Final = 2 * KEPT  # numbers of a pair's notches in the state
+LOWER, UPPER = 0, KEPT  # their places: the notch below the frequency met, and that above
 # by the frequency met over the loop's own: limits, then gains above, between and below them
 LIMITS: Final = (2.0, 1.2)
 SOFT: Final = (1.0, 0.7, 0.5)  # [-] on depth, its rate and pitch
@@ -96,10 +98,12 @@ def between_limits(ratio: float, factor: tuple[float, float, float]) -> float:
 
     ``ratio`` [-] is the frequency met over the loop's own.
     """
-    upper = (ratio / LIMITS[0] - 1.0 + BLEND) / (2.0 * BLEND)
-    lower = (ratio / LIMITS[1] - 1.0 + BLEND) / (2.0 * BLEND)
-    rise = min(max(upper, 0.0), 1.0) * (factor[0] - factor[1])
-    return factor[2] + min(max(lower, 0.0), 1.0) * (factor[1] - factor[2]) + rise
+    high, low = LIMITS
+    above, between, below = factor
+    upper = (ratio / high - 1.0 + BLEND) / (2.0 * BLEND)
+    lower = (ratio / low - 1.0 + BLEND) / (2.0 * BLEND)
+    rise = min(max(upper, 0.0), 1.0) * (above - between)
+    return below + min(max(lower, 0.0), 1.0) * (between - below) + rise
 
 
 @part
@@ -107,7 +111,7 @@ def frequency_ratio(vessel: Record, gains: Numbers, state: Record) -> float:
     """Return the frequency met over the loop's own [-]."""
     c = vessel[0]
     s = state[0]
-    pace = abs(c.M_ds) * s.u * s.u * abs(gains[3]) / (c.I_y - c.M_qdot)
+    pace = abs(c.M_ds) * s.u * s.u * abs(gains[STERN_GAINS + PITCH_RATE_GAIN]) / (c.I_y - c.M_qdot)
     return frequency_met(state) / max(pace, 1e-6)
 
 
@@ -122,15 +126,15 @@ def pass_notches(
     s = state[0]
     if s.wave_share == 0.0:
         return
-    first, place = PLANE_COUNT * (surface - STERN), NOTCHES * (surface - STERN)
+    place = NOTCHES * (surface - STERN)
     ratio = frequency_ratio(vessel, gains, state)
-    damping = gains[first + 3] * s.q
+    damping = gains[first_gain(surface) + PITCH_RATE_GAIN] * s.q
     x = between_limits(ratio, SOFT) * (law - damping) + between_limits(ratio, DAMPED) * damping
     omega = frequency_met(state)
     fresh = s.wave_share <= h / FADE
-    pass_section(notch(BELOW * omega, h, ZEROS, POLES), x, fresh, place, s.notch)
-    x = s.notch[place + 2]
-    pass_section(notch(ABOVE * omega, h, ZEROS, POLES), x, fresh, place + KEPT, s.notch)
+    pass_section(notch(BELOW * omega, h, ZEROS, POLES), x, fresh, place + LOWER, s.notch)
+    x = s.notch[place + LOWER + OUTPUT]
+    pass_section(notch(ABOVE * omega, h, ZEROS, POLES), x, fresh, place + UPPER, s.notch)
 
 
 @part
@@ -139,7 +143,7 @@ def law_in_waves(state: Record, surface: int, law: float) -> float:
     s = state[0]
     if s.wave_share == 0.0:
         return law
-    past = s.notch[NOTCHES * (surface - STERN) + 5]
+    past = s.notch[NOTCHES * (surface - STERN) + UPPER + OUTPUT]
     return law + s.wave_share * (past - law)
 
 

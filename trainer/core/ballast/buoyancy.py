@@ -9,6 +9,7 @@ from typing import Final
 
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.kernel import Numbers, Record, part
+from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 SMALL_SEGMENT: Final = 16.0 / (3.0 * math.pi)  # area of a small segment over (height/diameter)^1.5
 SEGMENT_SLOPE: Final = 2.0 - 1.0 / (SMALL_SEGMENT * math.sqrt(0.125))  # half height, half area
@@ -70,12 +71,12 @@ def add_compression(vessel: Record, state: Record, force: Numbers) -> None:
     down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
     heavy = -submerged_change(vessel, state)
     x, z = heavy * c.x_b, heavy * c.z_b
-    force[0] += heavy * down_x
-    force[1] += heavy * down_y
-    force[2] += heavy * down_z
-    force[3] -= z * down_y
-    force[4] += z * down_x - x * down_z
-    force[5] += x * down_y
+    force[AXIAL] += heavy * down_x
+    force[LATERAL] += heavy * down_y
+    force[NORMAL] += heavy * down_z
+    force[ROLLING] -= z * down_y
+    force[PITCHING] += z * down_x - x * down_z
+    force[YAWING] += x * down_y
     if c.y_b != 0.0:
-        force[3] += heavy * c.y_b * down_z
-        force[5] -= heavy * c.y_b * down_x
+        force[ROLLING] += heavy * c.y_b * down_z
+        force[YAWING] -= heavy * c.y_b * down_x

@@ -18,7 +18,7 @@ limits are this project's own; docs/autopilot.md has its figures.
 import math
 from typing import Final
 
-from trainer.core.autopilot.sections import KEPT, low_pass, notch, pass_section
+from trainer.core.autopilot.sections import KEPT, OUTPUT, low_pass, notch, pass_section
 from trainer.core.autopilot.waves import ABOVE, BELOW, are_counted, are_felt, frequency_met
 from trainer.core.ballast.tanks import DEPTH_CONTROL, DEPTH_CONTROL_PUMP
 from trainer.core.kernel import Record, kernel, part
@@ -30,6 +30,7 @@ SOFTER: Final = (1.0, 0.8)  # [-] on the natural frequency
 DAMPING: Final = (1.0, 1.5)  # [-]
 INTEGRAL: Final = (0.4, 0.2)  # [-] times frequency^2
 ZEROS, POLES = 0.1, 0.6  # [-] damping ratios of the notches
+LOWER, UPPER, SMOOTH = 0, KEPT, 2 * KEPT  # places of the filter: two notches, the low-pass
 SLOW, SLOW_DAMPING = 0.15, 0.8  # [rad/s], [-] of the low-pass
 NEAR: Final = 5.0  # [m] most error for which the growth of suction is counted
 SOON: Final = 20.0  # [s] of pumping; where less is ordered the integral learns
@@ -95,15 +96,16 @@ def follow_error(h: float, state: Record) -> None:
     if are_counted(state):
         omega = frequency_met(state)
         anew = fresh or s.hover_notched == 0.0
-        pass_section(notch(BELOW * omega, h, ZEROS, POLES), x, anew, 0, kept)
-        pass_section(notch(ABOVE * omega, h, ZEROS, POLES), kept[2], anew, KEPT, kept)
-        x = kept[KEPT + 2]
+        pass_section(notch(BELOW * omega, h, ZEROS, POLES), x, anew, LOWER, kept)
+        x = kept[LOWER + OUTPUT]
+        pass_section(notch(ABOVE * omega, h, ZEROS, POLES), x, anew, UPPER, kept)
+        x = kept[UPPER + OUTPUT]
         s.hover_notched = 1.0
     else:
         s.hover_notched = 0.0
-    last = kept[2 * KEPT + 2]
-    pass_section(low_pass(SLOW, h, SLOW_DAMPING), x, fresh, 2 * KEPT, kept)
-    s.hover_error = kept[2 * KEPT + 2]
+    last = kept[SMOOTH + OUTPUT]
+    pass_section(low_pass(SLOW, h, SLOW_DAMPING), x, fresh, SMOOTH, kept)
+    s.hover_error = kept[SMOOTH + OUTPUT]
     s.hover_error_rate = 0.0 if fresh else (s.hover_error - last) / h
     room = abs(s.hover_error) + FURTHEST
     s.hover_room = room if fresh else max(min(s.hover_room, room), FURTHEST)

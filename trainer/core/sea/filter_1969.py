@@ -26,7 +26,12 @@ LOW_DAMPING: Final = 0.325
 HIGH_DAMPING: Final = 0.707
 SIMILAR: Final = (0.90, 0.50)  # [-] w_L U/g, w_H U/g
 # wind [kn], w_L [rad/s], w_H [rad/s]
+WIND, CORNERS = 0, 1
 TABLE: Final = np.array([[35.0, 0.48, 0.27], [40.0, 0.43, 0.24], [45.0, 0.39, 0.21]])
+# places in the memory: three high-pass sections, then the low-pass, each with two numbers
+LOW_PASS: Final = 6
+LAST_BUT_ONE: Final = 1
+ELEVATION_POWER, QUADRATURE_POWER = 6, 7  # of x, in the numerators of the two outputs
 G_OF_TABLE: Final = 32.2 * 0.3048  # [m/s2]
 # Largest half angle per step: a larger one cannot be pre-warped. Only winds below 13 kn with
 # steps near 2 s reach it; their variance stays exact.
@@ -43,9 +48,9 @@ def corner(omega: float, g: float, which: int) -> float:
     knots = wind / KNOT
     product = SIMILAR[which]
     for row in range(3):
-        share = 1.0 - abs(knots - TABLE[row, 0])
+        share = 1.0 - abs(knots - TABLE[row, WIND])
         if share > 0.0:
-            tabled = TABLE[row, 1 + which] * TABLE[row, 0] * KNOT / G_OF_TABLE
+            tabled = TABLE[row, CORNERS + which] * TABLE[row, WIND] * KNOT / G_OF_TABLE
             product += share * (tabled - product)
     return product * g / wind
 
@@ -120,8 +125,8 @@ def filter_powers(low: float, high: float, scratch: Record) -> None:
     for _ in range(3):
         _times(scratch, 1.0, 2.0 * HIGH_DAMPING * ratio, ratio * ratio)
     _times(scratch, low, 1.0, 0.0)
-    work.b[DEGREE - 6] = 1.0  # x^6
-    work.d[DEGREE - 7] = 1.0  # x^7
+    work.b[DEGREE - ELEVATION_POWER] = 1.0
+    work.d[DEGREE - QUADRATURE_POWER] = 1.0
     _powers(scratch)
     work.elevation_power *= 2.0 * low
     work.quadrature_power *= 2.0 * low
@@ -153,13 +158,13 @@ def filter_noise(scratch: Record, x: float, state: Record) -> None:
     work = scratch[0]
     s = state[0]
     for i in range(3):
-        one, two = s.sea_memory[2 * i], s.sea_memory[2 * i + 1]
+        one, two = s.sea_memory[2 * i], s.sea_memory[2 * i + LAST_BUT_ONE]
         w = x - work.high_a1 * one - work.high_a2 * two
         x = w - 2.0 * one + two
-        s.sea_memory[2 * i + 1], s.sea_memory[2 * i] = one, w
-    one, two = s.sea_memory[6], s.sea_memory[7]
+        s.sea_memory[2 * i + LAST_BUT_ONE], s.sea_memory[2 * i] = one, w
+    one, two = s.sea_memory[LOW_PASS], s.sea_memory[LOW_PASS + LAST_BUT_ONE]
     w = x - work.low_a1 * one - work.low_a2 * two
-    s.sea_memory[7], s.sea_memory[6] = one, w
+    s.sea_memory[LOW_PASS + LAST_BUT_ONE], s.sea_memory[LOW_PASS] = one, w
     s.sea_elevation = work.elevation_gain * (w + 2.0 * one + two)
     s.sea_quadrature = -work.quadrature_gain * (w - two)
 

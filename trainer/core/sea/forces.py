@@ -42,13 +42,24 @@ import numpy as np
 from trainer.core.elementary import cosine_and_sine, exponential, logarithm
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BANDS, phase
-from trainer.core.state import SEA_COMPONENTS, STRIP_ROWS, STRIPS
+from trainer.core.state import (
+    AXIAL,
+    LATERAL,
+    NORMAL,
+    PITCHING,
+    SEA_COMPONENTS,
+    STRIP_ROWS,
+    STRIPS,
+    YAWING,
+)
 from trainer.core.surfaced import share_above
 
 TAPER: Final = (4.0, 5.0)  # [-] hull diameters from which to which waves fade out ([ASSES])
 ROWS_PER_TURN: Final = 3.0  # [1/rad] rows of the strips' table for each radian of k L cos chi
 LAST_TRUE: Final = 72  # row of the table, 24 rad, beyond which it fades to zero
-NUMBERS: Final = 4  # of each sum over strips: cos, sin, x cos, x sin
+NUMBERS: Final = 4  # of each sum over strips
+COS, SIN, X_COS, X_SIN = 0, 1, 2, 3  # their places
+PLACE, SHARES = 0, 1  # rows of the strips: x over the length, then three shares
 SURGE, SWAY, SWAY_ADDED, HEAVE, HEAVE_ADDED, PITCH, PITCH_ADDED = range(7)  # sums over the waves
 YAW, YAW_ADDED, RISE, SWING, FLOW = range(7, 12)
 # ln of the integral of S(x) x^n exp(-2 kappa x^2) over the Pierson-Moskowitz spectrum, n 4 and 6,
@@ -60,6 +71,7 @@ FADING: Final = np.array(
         [1.853509, -0.622394, -3.445212, -0.556254, 0.005174789],
     ]
 )
+BY_1, BY_LOG, BY_ROOT, BY_KAPPA, BY_SQUARE = 0, 1, 2, 3, 4  # columns of it
 SHALLOWEST: Final = 0.3  # [-] kappa
 DEEPEST: Final = 60.0  # of the fit: no wave is left
 
@@ -74,7 +86,8 @@ def taper(vessel: Record, state: Record) -> float:
     diameter = vessel[0].diameter
     if s.sea_taper == 0.0 or diameter <= 0.0:
         return 1.0
-    t = min(max(s.z / diameter - TAPER[0], 0.0) / (TAPER[1] - TAPER[0]), 1.0)
+    begins, ends = TAPER
+    t = min(max(s.z / diameter - begins, 0.0) / (ends - begins), 1.0)
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
 
@@ -85,8 +98,8 @@ def fading(row: int, kappa: float) -> float:
     ``kappa`` is the peak's wave number times the depth.
     """
     root = math.sqrt(kappa)
-    value = FADING[row, 0] + FADING[row, 1] * logarithm(kappa) + FADING[row, 2] * root
-    return value + kappa * (FADING[row, 3] + FADING[row, 4] * kappa)
+    value = FADING[row, BY_1] + FADING[row, BY_LOG] * logarithm(kappa) + FADING[row, BY_ROOT] * root
+    return value + kappa * (FADING[row, BY_KAPPA] + FADING[row, BY_SQUARE] * kappa)
 
 
 @kernel
@@ -126,14 +139,14 @@ def are_summed(vessel: Record, scratch: Record) -> bool:
 def add_strip(row: int, strip: int, scratch: Record) -> None:
     """Add a strip to the sums of a row of the table."""
     work = scratch[0]
-    x = work.strips_of[0, strip]
+    x = work.strips_of[PLACE, strip]
     turn_cos, turn_sin = cosine_and_sine(row / ROWS_PER_TURN * x)
     for kind in range(3):
-        share = kept(row) * work.strips_of[1 + kind, strip]
-        work.strip_sums[row, kind, 0] += share * turn_cos
-        work.strip_sums[row, kind, 1] += share * turn_sin
-        work.strip_sums[row, kind, 2] += share * x * turn_cos
-        work.strip_sums[row, kind, 3] += share * x * turn_sin
+        share = kept(row) * work.strips_of[SHARES + kind, strip]
+        work.strip_sums[row, kind, COS] += share * turn_cos
+        work.strip_sums[row, kind, SIN] += share * turn_sin
+        work.strip_sums[row, kind, X_COS] += share * x * turn_cos
+        work.strip_sums[row, kind, X_SIN] += share * x * turn_sin
 
 
 @kernel
@@ -326,13 +339,15 @@ def push(vessel: Record, scratch: Record, left: float, state: Record, force: Num
     sway, heave = left * c.Y_vdot, left * c.Z_wdot
     swell = work.pull[RISE] * work.pull[RISE] + work.pull[SWING] * work.pull[SWING]
     flow = left * max(s.u, 0.0) * work.pull[FLOW]
-    force[0] += (displaced - left * c.X_udot) * work.pull[SURGE]
-    force[1] += displaced * work.pull[SWAY] - sway * work.pull[SWAY_ADDED]
-    force[2] += displaced * work.pull[HEAVE] - heave * work.pull[HEAVE_ADDED]
-    force[2] -= (displaced - heave) * s.sea_suction * left * swell / c.g + c.Z_w * flow
-    force[4] += displaced * c.ell * work.pull[PITCH] - arm * c.Z_wdot * work.pull[PITCH_ADDED]
-    force[4] -= c.M_w * flow
-    force[5] += displaced * c.ell * work.pull[YAW] - arm * c.Y_vdot * work.pull[YAW_ADDED]
+    force[AXIAL] += (displaced - left * c.X_udot) * work.pull[SURGE]
+    force[LATERAL] += displaced * work.pull[SWAY] - sway * work.pull[SWAY_ADDED]
+    force[NORMAL] += displaced * work.pull[HEAVE] - heave * work.pull[HEAVE_ADDED]
+    force[NORMAL] -= (displaced - heave) * s.sea_suction * left * swell / c.g + c.Z_w * flow
+    force[PITCHING] += (
+        displaced * c.ell * work.pull[PITCH] - arm * c.Z_wdot * work.pull[PITCH_ADDED]
+    )
+    force[PITCHING] -= c.M_w * flow
+    force[YAWING] += displaced * c.ell * work.pull[YAW] - arm * c.Y_vdot * work.pull[YAW_ADDED]
 
 
 @part

@@ -8,6 +8,7 @@ from typing import Final
 
 from trainer.core.elementary import cosine, sine
 from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.state import NORMAL, PITCHING
 
 DECK_REACH: Final = 0.25  # [-] of the length, either way from the origin: the parallel middle body
 
@@ -48,8 +49,8 @@ def surface_forces(vessel: Record, state: Record, force: Numbers) -> None:
     row, along = cell(c.surface_speed, speeds, abs(s.u))
     column, across = cell(c.surface_depth, depths, s.z)
     square = s.u * s.u
-    force[2] += square * between(c.surface_Z, row, column, along, across)
-    force[4] += square * between(c.surface_M, row, column, along, across)
+    force[NORMAL] += square * between(c.surface_Z, row, column, along, across)
+    force[PITCHING] += square * between(c.surface_M, row, column, along, across)
 
 
 @kernel

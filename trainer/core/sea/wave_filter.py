@@ -162,6 +162,7 @@ _FORCE: Final = _read(
     *(2, 11, 2, 8),
 )
 # As the kernels read them: factors by part and mode, rows by mode and output.
+REAL, IMAGINARY = 0, 1  # rows of a bank's modes
 MODES: Final = np.ascontiguousarray(np.swapaxes(_FACTORS, 1, 2))
 WAVE_ROWS: Final = np.ascontiguousarray(np.swapaxes(_WAVE, 1, 2))
 FORCE_ROWS: Final = np.ascontiguousarray(np.swapaxes(_FORCE, 2, 3))
@@ -192,7 +193,7 @@ def advance_modes(bank: int, step: int, state: Record) -> None:
     if step & 1 == 0:
         x, s.sea_spare[bank] = gaussian_pair(int(s.seed), SEA_BANK + bank, step >> 1)
     for i in range(4):
-        along, across = MODES[bank, 0, i], MODES[bank, 1, i]
+        along, across = MODES[bank, REAL, i], MODES[bank, IMAGINARY, i]
         a, b = s.sea_modes[bank, i], s.sea_modes[bank, 4 + i]
         s.sea_modes[bank, i] = along * a - across * b + x
         s.sea_modes[bank, 4 + i] = across * a + along * b
@@ -261,8 +262,8 @@ def begin_filter(kappa: float, scratch: Record, state: Record) -> None:
 @part
 def left_length(row: int, inside: float, peaked: float) -> float:
     """Return the wave number of the waves left at a depth, over the peak's [-]."""
-    flat = LENGTHS[0, row] + inside * (LENGTHS[0, row + 1] - LENGTHS[0, row])
-    raised = LENGTHS[1, row] + inside * (LENGTHS[1, row + 1] - LENGTHS[1, row])
+    flat = LENGTHS[FLAT, row] + inside * (LENGTHS[FLAT, row + 1] - LENGTHS[FLAT, row])
+    raised = LENGTHS[PEAKED, row] + inside * (LENGTHS[PEAKED, row + 1] - LENGTHS[PEAKED, row])
     return flat + peaked * (raised - flat)
 
 

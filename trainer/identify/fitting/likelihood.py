@@ -12,8 +12,14 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.problem import Problem
-from trainer.identify.kernels.likelihood import is_possible, likelihood_sums
-from trainer.identify.kernels.sensitivity import score_rows
+from trainer.identify.kernels.likelihood import (
+    LOG_DETERMINANTS,
+    READINGS,
+    SQUARES,
+    is_possible,
+    likelihood_sums,
+)
+from trainer.identify.kernels.sensitivity import ScoreRows, score_rows
 from trainer.identify.model.sampled import Sampled
 
 LOG_2_PI: Final = math.log(2.0 * math.pi)
@@ -95,7 +101,7 @@ def _cost(problem: Problem, theta: Numbers) -> float:
         return math.inf
     sums = np.empty(4)
     likelihood_sums(*system, samples.table, samples.steps[1], sums)
-    cost = 0.5 * (sums[0] + sums[1] + sums[3] * LOG_2_PI)
+    cost = 0.5 * (sums[LOG_DETERMINANTS] + sums[SQUARES] + sums[READINGS] * LOG_2_PI)
     return float(cost) if math.isfinite(cost) else math.inf
 
 
@@ -107,11 +113,11 @@ def _score(problem: Problem, theta: Numbers) -> Score:
         return impossible
     length, readings = samples.outputs.shape
     slopes = sampled.slopes()
-    wide = slopes[0].shape[-1]
+    wide = slopes.mean.shape[-1]
     errors = np.empty((length, readings, wide))
     covariances = np.empty((length, readings * readings, wide))
     slope = np.empty(wide)
-    out = errors, covariances, slope
+    out = ScoreRows(errors, covariances, slope)
     stages, cost = score_rows(sampled.at(0), slopes, samples.table, samples.steps[1], out)
     if not stages:
         return impossible

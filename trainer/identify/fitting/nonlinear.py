@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.nonlinear_steering import run_bent
+from trainer.identify.kernels.nonlinear_steering import BENT, run_bent
 from trainer.identify.model.sampled import STEP
 from trainer.identify.record.measurements import Record
 
@@ -114,7 +114,7 @@ def _run(
     """Return (z, r, psi) at each sample (n, 3); r' is zero at the first."""
     numbers = ship.numbers.astype(complex)
     K, T1, T2, T3 = numbers[:4]
-    z = (T1 + T2) * start[0] - K * T3 * (rudder[0] - numbers[7])
+    z = (T1 + T2) * start[0] - K * T3 * (rudder[0] - numbers[BENT.delta_0])
     fastest = FINE * min(abs(T1.real), abs(T2.real))
     parts = max(1, math.ceil(min(step / fastest, 1e4)))
     out = np.empty((len(rudder), 3), complex)

@@ -7,7 +7,7 @@ does not give it: its second derivatives are the inverse covariance of the estim
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,15 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.likelihood import LOG_2_PI, Likelihood, possible
 from trainer.identify.fitting.problem import Problem
-from trainer.identify.kernels.covariance_filter import COUNTED, run_predictor, settle, show
+from trainer.identify.kernels.covariance_filter import (
+    COUNTED,
+    FilterRun,
+    Predictor,
+    SampledSystem,
+    run_predictor,
+    settle,
+    show,
+)
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.kernels.sampling import Complexes
 from trainer.identify.model.sampled import STEP, Sampled
@@ -75,14 +83,15 @@ def run_filter(problem: Problem, theta: Numbers, limits: Numbers) -> Shown:
     return filtered(problem.sampled(theta).at(0), problem.samples, limits)
 
 
-def filtered(system: tuple[Entries, Entries, Entries], samples: Samples, limits: Numbers) -> Shown:
+def filtered(system: SampledSystem, samples: Samples, limits: Numbers) -> Shown:
     """Return the filter's run by a system's mean, noise and start; complex as they are."""
-    (count, readings), states = samples.outputs.shape, len(system[2])
-    rows, kind = states + readings, system[0].dtype
+    (count, readings), states = samples.outputs.shape, len(system.start)
+    rows, kind = states + readings, system.mean.dtype
     out = np.empty((count, rows + readings + 2), kind)
     covariances = np.empty((count, states, states), kind)
     spreads = np.empty((count, readings, readings), kind)
-    show(system, samples.table, samples.steps[1], limits, (out, covariances, spreads))
+    run = FilterRun(out, covariances, spreads)
+    show(system, samples.table, samples.steps[1], limits, run)
     return Shown(
         out[:, :states],
         out[:, states:rows],
@@ -213,7 +222,8 @@ def _run(problem: Problem, sampled: Sampled, gains: Complexes, row: int) -> tupl
     """Return states (n, x) and errors (n, y) of one row; NaN where a reading is missing."""
     samples, states = problem.samples, sampled.start.shape[1]
     out = np.empty((len(samples.t), states + samples.outputs.shape[1]), complex)
-    system = sampled.mean[row], gains[row], np.ascontiguousarray(sampled.start[row, :, 0])
+    first = np.ascontiguousarray(sampled.start[row, :, 0])
+    system = Predictor(sampled.mean[row], gains[row], first)
     run_predictor(system, samples.table, samples.steps[1], np.zeros((len(out), states)), out)
     return out[:, :states], samples.outputs - out[:, states:]
 
@@ -275,7 +285,8 @@ class MultiStep:
 
     def _cost(self, problem: Problem, sampled: Sampled, row: int) -> complex:
         """Return n V2 of a row."""
-        system = sampled.mean[row], sampled.noise[row], np.ascontiguousarray(sampled.start[row])
+        start = np.ascontiguousarray(sampled.start[row])
+        system = SampledSystem(sampled.mean[row], sampled.noise[row], start)
         try:
             total, count = self._look_ahead(system, problem.samples)
         except (ZeroDivisionError, np.linalg.LinAlgError):  # compiled code raises of complex ones
@@ -283,7 +294,7 @@ class MultiStep:
         mean = total / count if count else complex(math.inf)
         return mean * problem.samples.counted if np.isfinite(mean) else complex(math.inf)
 
-    def _look_ahead(self, system: Any, samples: Samples) -> tuple[complex, int]:
+    def _look_ahead(self, system: SampledSystem, samples: Samples) -> tuple[complex, int]:
         """Return the sum of all predictions' -log L, and how many there are."""
         readings, (mean, noise, start) = samples.outputs.shape[1], system
         shown, x = filtered(system, samples, no_limits(readings)), len(start)
@@ -300,7 +311,7 @@ class MultiStep:
         return total, count
 
 
-def _surprises(errors: Complexes, R: Complexes) -> Complexes:
+def _surprises(errors: Entries, R: Entries) -> Complexes:
     """Return -log L (n,) of errors (n, y) with covariances R (n, y, y); infinite if R is none."""
     there = ~np.isnan(errors)
     R = np.where(there[:, :, None] & there[:, None, :], R, np.eye(errors.shape[1]))

@@ -21,7 +21,7 @@ from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.start_values import STATES
 from trainer.identify.judge.fitted import Fitted
 from trainer.identify.judge.propagation import root
-from trainer.identify.kernels.covariance_filter import run_predictor
+from trainer.identify.kernels.covariance_filter import Predictor, run_predictor
 from trainer.identify.model.derived import nomoto_of
 from trainer.identify.record.measurements import Record, Samples, samples_of
 from trainer.identify.record.study import load_study, observe
@@ -42,7 +42,7 @@ def _driven(samples: Samples, mean: Numbers, first: Numbers, driven: Numbers) ->
     """Return states and outputs (n, x+y) from a ``first`` state; ``driven`` (n, x) is added."""
     readings = samples.outputs.shape[1]
     out = np.empty((len(samples.t), len(first) + readings))
-    system = mean, np.zeros((len(first), readings)), np.ascontiguousarray(first)
+    system = Predictor(mean, np.zeros((len(first), readings)), np.ascontiguousarray(first))
     run_predictor(system, samples.table, samples.steps[1], np.ascontiguousarray(driven), out)
     return out
 

@@ -15,6 +15,7 @@ gain of a settled filter.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,30 @@ Mask = NDArray[np.bool_]
 
 COUNTED, MISSING, REJECTED, SINGULAR = 0.0, 1.0, 2.0, 3.0  # flags of samples
 SETTLED = 1e-26  # [-] square of the relative change of P, below which P is taken as constant
+
+
+class SampledSystem(NamedTuple):
+    """Systems from sample to sample, and their start; or the slopes of these."""
+
+    mean: Entries
+    noise: Entries
+    start: Entries
+
+
+class Predictor(NamedTuple):
+    """A predictor whose gain is given."""
+
+    mean: Entries
+    gain: Entries  # (x, y)
+    first: Entries  # state (x,)
+
+
+class FilterRun(NamedTuple):
+    """What is shown of each sample."""
+
+    rows: Entries  # state, prediction, error, error' R^-1 error, flag
+    covariances: Entries  # P (n, x, x)
+    spreads: Entries  # R (n, y, y)
 
 
 @part
@@ -182,22 +207,23 @@ def run_length(which: Places, first: int) -> int:
 
 @kernel
 def show(
-    system: tuple[Entries, Entries, Entries],
+    system: SampledSystem,
     table: Numbers,
     which: Places,
     limits: Numbers,
-    shown: tuple[Entries, Entries, Entries],
+    shown: FilterRun,
 ) -> None:
     """Write to each row of ``shown`` state, prediction, error, error' R^-1 error, flag.
 
-    ``system`` is mean, noise and start. A sample is rejected if its error' R^-1 error is beyond
-    ``limits`` (y+1,) for its number of readings: it neither moves the filter nor counts. The
-    other arrays ``shown`` get P (n, x, x) of the state, and R (n, y, y), of missing readings too.
+    A sample is rejected if its error' R^-1 error is beyond ``limits`` (y+1,) for its number of
+    readings: it neither moves the filter nor counts. R is shown of missing readings too.
     """
-    mean, noise, start = system
-    told, covariances, spreads = shown
+    mean, noise, start = system.mean, system.noise, system.start
+    told = shown.rows
     rows, columns, states = mean.shape[1], mean.shape[2], start.shape[0]
     readings = rows - states
+    square_place = rows + readings
+    flag_place = square_place + 1
     J, kept = np.empty((rows, rows), mean.dtype), np.empty((rows, rows), mean.dtype)
     work, v = np.empty((rows, states), mean.dtype), np.empty(rows, mean.dtype)
     error, there = np.empty(readings, mean.dtype), np.empty(readings, np.bool_)
@@ -211,16 +237,16 @@ def show(
         count = residual(table[k], v, error, there)
         told[k, :states] = z[:states]
         told[k, states:rows] = v[states:]
-        told[k, rows : rows + readings] = error
-        covariances[k] = P
-        spreads[k] = J[states:, states:]
+        told[k, rows:square_place] = error
+        shown.covariances[k] = P
+        shown.spreads[k] = J[states:, states:]
         flag = COUNTED if count > 0 else MISSING
-        told[k, rows + readings] = 0.0
+        told[k, square_place] = 0.0
         if np.isnan(condition(J, error, there)):
             flag = SINGULAR
         else:
             size = square(J, error)
-            told[k, rows + readings] = size
+            told[k, square_place] = size
             if size.real > limits[count]:
                 flag = REJECTED
         if flag > MISSING:
@@ -228,12 +254,12 @@ def show(
             there[:] = False
             condition(J, error, there)
         advance(J, v, error, z, P)
-        told[k, rows + readings + 1] = flag
+        told[k, flag_place] = flag
 
 
 @kernel
 def run_predictor(
-    system: tuple[Entries, Entries, Entries],
+    system: Predictor,
     table: Numbers,
     which: Places,
     driven: Numbers,
@@ -241,13 +267,12 @@ def run_predictor(
 ) -> None:
     """Write states and predictions (n, x+y) of a predictor with a given gain to ``out``.
 
-    It is x <- A x + B u + K error + w; a missing reading moves nothing. ``system`` is mean, gain
-    (x, y) and first state (x,), and ``driven`` (n, x) is w.
+    It is x <- A x + B u + K error + w; a missing reading moves nothing. ``driven`` (n, x) is w.
     """
-    mean, gain, first = system
+    mean, gain = system.mean, system.gain
     states, readings = gain.shape
     z, v = np.ones(mean.shape[2], mean.dtype), np.empty(states + readings, mean.dtype)
-    put(first, 0, z)
+    put(system.first, 0, z)
     for k in range(table.shape[0]):
         put(table[k, readings:], states, z)
         predict(mean[which[k]], z, v)

@@ -10,7 +10,7 @@ the first state, which is known: its covariance is nothing. Derivatives are as i
 """
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from trainer.boat.ship.forces import (
     ROLL_RATE,
     Driven,
     System,
+    Terms,
     rows_of,
     states_of,
 )
@@ -28,6 +29,10 @@ from trainer.boat.ship.forward_numbers import FIRST, SECOND
 from trainer.boat.ship.motion import STAGES, WEIGHTS, is_ship, set_derivative, set_rates
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_slopes import (
+    Estimate,
+    Innovation,
+    MatrixRoom,
+    ReadingSlopes,
     count_reading,
     matrix_slopes,
     noise_slopes,
@@ -38,19 +43,73 @@ from trainer.identify.kernels.extended_slopes import (
     transition_slopes,
 )
 from trainer.identify.kernels.kernel import kernel, lean
-from trainer.identify.kernels.ship_slopes import set_jacobian
+from trainer.identify.kernels.ship_slopes import Accelerations, set_jacobian
 
 INPUTS: Final = 4  # the first column of them
+NEXT: Final = 1  # rows from one sample to the next
 SECONDS: Final = 8
 PARTS: Final = 9
 BESIDE: Final = 6  # columns between the first four readings and those of roll
+ERROR, VARIANCE = 0, 1  # columns of the innovations
+
+
+class FilterSums(NamedTuple):
+    """What the rows of a record add up to."""
+
+    innovations: Numbers  # of one row, with their variances (n, 2)
+    gradient: Numbers
+    information: Numbers
+
+
+class FilterRoom(NamedTuple):
+    """Scratch of the filter: forward numbers, matrices, and the stages of Runge and Kutta."""
+
+    sloped: Accelerations  # with second derivatives
+    flat: Accelerations  # with those that the state's derivatives need
+    matrices: MatrixRoom
+    lines: ReadingSlopes
+    inputs: Numbers
+    stage: Numbers  # the state within a step
+    rate: Numbers  # dx/dt there
+    total: Numbers  # weighted sum of those rates
+    S_stage: Numbers  # the same of the state's derivatives (n, q)
+    S_rate: Numbers
+    S_total: Numbers
+
+
+@kernel
+def _new_room(terms: Terms, n: int, count: int) -> FilterRoom:
+    """Return scratch for ``n`` states and ``count`` parameters."""
+    wide, narrow = (SECOND, FIRST) if count > 0 else (4, 1)
+    rows, places = rows_of(terms), 3 if n <= ROLL else PLACES
+    return FilterRoom(
+        Accelerations(np.empty((rows, wide)), np.empty((places, wide))),
+        Accelerations(np.empty((rows, narrow)), np.empty((places, narrow))),
+        MatrixRoom(
+            np.empty((n, n)),
+            np.empty((n, n, count)),
+            np.empty((n, n)),
+            np.empty((n, n, count)),
+            np.empty((n, n)),
+            np.empty((n, n, count)),
+            np.empty((n, n)),
+        ),
+        ReadingSlopes(np.empty(count), np.empty(count), np.empty((n, count))),
+        np.empty(4),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.empty((n, count)),
+        np.empty((n, count)),
+        np.empty((n, count)),
+    )
 
 
 @lean
 def set_inputs(record: Numbers, k: int, part: float, c: Numbers) -> None:
     """Write the inputs ``part`` of the way from row ``k`` to the next."""
     for i in range(4):
-        now, then = record[k, INPUTS + i], record[k + 1, INPUTS + i]
+        now, then = record[k, INPUTS + i], record[k + NEXT, INPUTS + i]
         c[i] = now + part * (then - now)
 
 
@@ -80,22 +139,12 @@ def _spread(
 
 
 @lean
-def _advance(
-    system: System,
-    record: Numbers,
-    k: int,
-    kept: tuple[Numbers, Numbers],
-    work: tuple[Numbers, Numbers, Numbers, Numbers, Numbers],
-) -> None:
-    """Advance the state and its derivatives from row ``k`` to the next by Runge and Kutta.
-
-    ``work`` is a table, its rates, (5, n), (n, n) and (3, n, q).
-    """
-    x, S = kept
-    states = states_of(system[4])
-    table, rates, lines, own, many = work
-    stage, rate, total, c = lines[0], lines[1], lines[2], lines[3]
-    at, turn, sum_ = many[0], many[1], many[2]
+def _advance(system: System, record: Numbers, k: int, estimate: Estimate, room: FilterRoom) -> None:
+    """Advance the state and its derivatives from row ``k`` to the next by Runge and Kutta."""
+    x, S = estimate.x, estimate.S
+    states = states_of(system.driven)
+    stage, rate, total, c = room.stage, room.rate, room.total, room.inputs
+    at, turn, sum_ = room.S_stage, room.S_rate, room.S_total
     parts = int(record[k, PARTS])
     h = record[k, SECONDS] / parts
     for part in range(parts):
@@ -110,9 +159,9 @@ def _advance(
                 for j in range(S.shape[1]):
                     at[i, j] = S[i, j] + reach * turn[i, j]
             set_inputs(record, k, (part + STAGES[n]) / parts, c)
-            set_rates(system, stage, c, table, rates)
-            rate_slopes(system, (table, rates), stage, at, own, turn)
-            set_derivative(system[4], stage, rates, rate)
+            set_rates(system, stage, c, room.flat.table, room.flat.rates)
+            rate_slopes(system, room.flat, stage, at, room.matrices.own, turn)
+            set_derivative(system.driven, stage, room.flat.rates, rate)
             for i in range(states):
                 total[i] += WEIGHTS[n] * rate[i]
                 for j in range(S.shape[1]):
@@ -125,65 +174,50 @@ def _advance(
 
 @lean
 def _take_row(
-    system: System,
-    row: Numbers,
-    kept: tuple[Numbers, Numbers],
-    slopes: tuple[Numbers, Numbers],
-    lines: Numbers,
-    sums: tuple[Numbers, Numbers, Numbers],
+    system: System, row: Numbers, estimate: Estimate, lines: ReadingSlopes, sums: FilterSums
 ) -> float:
-    """Return what a row's readings add to -log L, after taking them.
-
-    ``sums`` has innovations with their variances (n, 2), gradient and information.
-    """
-    values, driven = system[2], system[4]
+    """Return what a row's readings add to -log L, after taking them."""
+    values, driven = system.values, system.driven
     states, axes = states_of(driven), len(driven)
-    errors = system[1].shape[0] + NONLINEAR + axes
-    cost, first = 0.0, lines.shape[1] - axes - 2 * states
+    errors = system.terms.shape[0] + NONLINEAR + axes
+    cost, first = 0.0, lines.error.size - axes - 2 * states
     for m in range(states):
         read = row[m if m < ROLL_RATE else m + BESIDE]
-        sums[0][m, 0], sums[0][m, 1] = read - kept[0][m], math.nan
+        sums.innovations[m, ERROR] = read - estimate.x[m]
+        sums.innovations[m, VARIANCE] = math.nan
         if not math.isnan(read):
             variance = values[errors + m] * values[errors + m]
-            moments = read - kept[0][m], kept[1][m, m] + variance
-            for j in range(lines.shape[1]):
-                lines[0, j] = -slopes[0][m, j]
-                lines[1, j] = slopes[1][m, m, j]
+            error, s = read - estimate.x[m], estimate.P[m, m] + variance
+            for j in range(lines.error.size):
+                lines.error[j] = -estimate.S[m, j]
+                lines.variance[j] = estimate.dP[m, m, j]
             if first >= 0:
-                lines[1, first + axes + m] += 2.0 * variance
-            square = moments[0] * moments[0] / moments[1]
-            cost += 0.5 * (math.log(2.0 * math.pi * moments[1]) + square)
-            sums[0][m, 1] = moments[1]
-            count_reading(moments, lines[0], lines[1], sums[1], sums[2])
-            take_slopes(driven, m, moments, kept, slopes, lines)
+                lines.variance[first + axes + m] += 2.0 * variance
+            square = error * error / s
+            cost += 0.5 * (math.log(2.0 * math.pi * s) + square)
+            sums.innovations[m, VARIANCE] = s
+            count_reading(Innovation(error, s), lines, sums.gradient, sums.information)
+            take_slopes(driven, m, Innovation(error, s), estimate, lines)
     return cost
 
 
 @lean
-def _predict(
-    system: System,
-    record: Numbers,
-    k: int,
-    kept: tuple[Numbers, Numbers],
-    slopes: tuple[Numbers, Numbers],
-    work: tuple[tuple[Numbers, ...], tuple[Numbers, ...], tuple[Numbers, ...]],
-) -> None:
+def _predict(system: System, record: Numbers, k: int, estimate: Estimate, room: FilterRoom) -> None:
     """Advance the covariance and its derivatives from row ``k`` to the next."""
-    (table, rates), (A, phi, half, short), (dA, dphi, turned) = work
-    terms, values, free, driven = system[1], system[2], system[3], system[4]
-    first = terms.shape[0] + NONLINEAR
-    noise, T, c = values[first:], record[k, SECONDS], short[4]
+    accelerations, matrices, driven = room.sloped, room.matrices, system.driven
+    first = system.terms.shape[0] + NONLINEAR
+    noise, T, c = system.values[first:], record[k, SECONDS], room.inputs
     set_inputs(record, k, 0.5, c)
-    set_rates(system, kept[0], c, table, rates)
-    set_jacobian(driven, rates, A)
-    if slopes[0].shape[1] > 0:
-        matrix_slopes(driven, rates, slopes[0], dA)
-        own_slopes(system, (table, rates), kept[0], short, dA)
-    transition_slopes(driven, A, dA, T, (phi, dphi), (half, turned))
-    _spread(driven, phi, kept[1], noise, T, half)
-    spread_slopes(driven, (phi, dphi), half, slopes[1], (turned, dA))
-    if slopes[0].shape[1] > 0:
-        noise_slopes(driven, phi, noise, T, free.shape[0], slopes[1])
+    set_rates(system, estimate.x, c, accelerations.table, accelerations.rates)
+    set_jacobian(driven, accelerations.rates, matrices.A)
+    if estimate.S.shape[1] > 0:
+        matrix_slopes(driven, accelerations.rates, estimate.S, matrices.dA)
+        own_slopes(system, accelerations, estimate.x, matrices.own, matrices.dA)
+    transition_slopes(driven, T, matrices)
+    _spread(driven, matrices.phi, estimate.P, noise, T, matrices.half)
+    spread_slopes(driven, matrices, estimate.dP)
+    if estimate.S.shape[1] > 0:
+        noise_slopes(driven, matrices.phi, noise, T, system.free.shape[0], estimate.dP)
 
 
 @kernel
@@ -195,26 +229,20 @@ def filter_record(
     Innovations and their variances go to ``errors`` (rows, n, 2). ``gradient`` (q,) and the lower
     half of ``information`` (q, q) gain theirs; q may be 0.
     """
-    count, n = gradient.size, states_of(system[4])
-    x = system[2][system[2].size - n :].copy()
-    P, S, dP = np.zeros((n, n)), np.zeros((n, count)), np.zeros((n, n, count))
+    count, n = gradient.size, states_of(system.driven)
+    x = system.values[system.values.size - n :].copy()
+    estimate = Estimate(x, np.zeros((n, n)), np.zeros((n, count)), np.zeros((n, n, count)))
     for i in range(n if count > 0 else 0):
-        S[i, count - n + i] = 1.0
-    wide, narrow = (SECOND, FIRST) if count > 0 else (4, 1)
-    rows, places = rows_of(system[1]), 3 if n <= ROLL else PLACES
-    sloped = np.empty((rows, wide)), np.empty((places, wide))
-    flat, rates = np.empty((rows, narrow)), np.empty((places, narrow))
-    small = np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((5, n))
-    large = np.empty((n, n, count)), np.empty((n, n, count)), np.empty((n, n, count))
-    lines, many, cost = np.empty((2 + n, count)), np.empty((3, n, count)), 0.0
+        estimate.S[i, count - n + i] = 1.0
+    room, cost = _new_room(system.terms, n, count), 0.0
     for k in range(record.shape[0]):
-        sums = errors[k], gradient, information
-        cost += _take_row(system, record[k], (x, P), (S, dP), lines, sums)
+        sums = FilterSums(errors[k], gradient, information)
+        cost += _take_row(system, record[k], estimate, room.lines, sums)
         if not is_ship(x):
             return math.inf
         if k + 1 < record.shape[0]:
-            _predict(system, record, k, (x, P), (S, dP), (sloped, small, large))
-            _advance(system, record, k, (x, S), (flat, rates, small[3], small[0], many))
+            _predict(system, record, k, estimate, room)
+            _advance(system, record, k, estimate, room)
             if not is_ship(x):
                 return math.inf
     return cost if math.isfinite(cost) else math.inf
@@ -223,16 +251,15 @@ def filter_record(
 @kernel
 def sail_record(system: System, record: Numbers, out: Numbers) -> int:
     """Write the states (rows, n) by inputs alone; return for how many rows."""
-    n = states_of(system[4])
-    x, S = system[2][system[2].size - n :].copy(), np.empty((n, 0))
-    many, own = np.empty((3, n, 0)), np.empty((n, n))
-    rows, places = rows_of(system[1]), 3 if n <= ROLL else PLACES
-    work = np.empty((rows, 1)), np.empty((places, 1)), np.empty((5, n)), own, many
+    n = states_of(system.driven)
+    x = system.values[system.values.size - n :].copy()
+    estimate = Estimate(x, np.empty((n, n)), np.empty((n, 0)), np.empty((n, n, 0)))
+    room = _new_room(system.terms, n, 0)
     for k in range(record.shape[0]):
         for i in range(n):
             out[k, i] = x[i]
         if not is_ship(x):
             return k
         if k + 1 < record.shape[0]:
-            _advance(system, record, k, (x, S), work)
+            _advance(system, record, k, estimate, room)
     return int(record.shape[0])

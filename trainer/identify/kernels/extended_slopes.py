@@ -4,19 +4,60 @@ Parameters are the last, contiguous index, in this order: the free coefficients,
 the disturbances and of the errors of readings, the first state. There may be none of them.
 """
 
+from typing import Final, NamedTuple
+
 from trainer.boat.ship.forces import AXES, ROLL_RATE, Driven, System, states_of, units_of
-from trainer.boat.ship.forward_numbers import second_place
+from trainer.boat.ship.forward_numbers import SLOPES, VALUE, second_place
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import lean
-from trainer.identify.kernels.ship_slopes import coefficient_slopes
+from trainer.identify.kernels.ship_slopes import Accelerations, coefficient_slopes
+
+FREE: Final = 0  # column of the places of the free coefficients
+
+
+class Innovation(NamedTuple):
+    """What a reading is beyond its prediction."""
+
+    error: float
+    variance: float
+
+
+class Estimate(NamedTuple):
+    """The state of the filter, and its derivatives by the parameters."""
+
+    x: Numbers
+    P: Numbers  # covariance
+    S: Numbers  # of x, (n, q)
+    dP: Numbers  # of P, (n, n, q)
+
+
+class ReadingSlopes(NamedTuple):
+    """Derivatives of one reading's innovation, and of its column of P."""
+
+    error: Numbers
+    variance: Numbers
+    column: Numbers  # (n, q)
+
+
+class MatrixRoom(NamedTuple):
+    """The matrices of a step and their derivatives; the last three are scratch."""
+
+    A: Numbers  # Jacobian
+    dA: Numbers
+    phi: Numbers  # transition
+    dphi: Numbers
+    half: Numbers
+    turned: Numbers  # (n, n, q)
+    own: Numbers  # what one coefficient does
 
 
 @lean
 def count_reading(
-    moments: tuple[float, float], de: Numbers, ds: Numbers, gradient: Numbers, information: Numbers
+    innovation: Innovation, lines: ReadingSlopes, gradient: Numbers, information: Numbers
 ) -> None:
-    """Add what a reading of error and variance ``moments`` tells of the parameters."""
-    error, s = moments
+    """Add what a reading tells of the parameters."""
+    error, s = innovation.error, innovation.variance
+    de, ds = lines.error, lines.variance
     weight = 0.5 / (s * s)
     for j in range(de.size):
         gradient[j] += 0.5 * ds[j] / s * (1.0 - error * error / s) + error * de[j] / s
@@ -26,9 +67,9 @@ def count_reading(
 
 
 @lean
-def _take(driven: Driven, m: int, moments: tuple[float, float], x: Numbers, P: Numbers) -> None:
+def _take(driven: Driven, m: int, innovation: Innovation, x: Numbers, P: Numbers) -> None:
     """Take one reading into state and covariance, its own column last."""
-    error, s = moments
+    error, s = innovation.error, innovation.variance
     own = P[m, m]
     for i in range(states_of(driven)):
         x[i] += P[i, m] / s * error
@@ -43,34 +84,32 @@ def _take(driven: Driven, m: int, moments: tuple[float, float], x: Numbers, P: N
 def take_slopes(
     driven: Driven,
     m: int,
-    moments: tuple[float, float],
-    kept: tuple[Numbers, Numbers],
-    slopes: tuple[Numbers, Numbers],
-    lines: Numbers,
+    innovation: Innovation,
+    estimate: Estimate,
+    lines: ReadingSlopes,
 ) -> None:
     """Take one reading into state, covariance and both derivatives.
 
-    The first two rows of ``lines`` have the derivatives of error and variance; the others, one
-    for each state, are scratch.
+    ``lines`` has the derivatives of error and variance; its column is scratch.
     """
-    error, s = moments
-    P = kept[1]
-    S, dP = slopes
+    error, s = innovation.error, innovation.variance
+    P, S, dP = estimate.P, estimate.S, estimate.dP
+    column = lines.column
     n = states_of(driven)
     for i in range(n):
         for j in range(S.shape[1]):
-            lines[2 + i, j] = dP[i, m, j]
+            column[i, j] = dP[i, m, j]
     for i in range(n):
         p, gain = P[i, m], P[i, m] / s
         for j in range(S.shape[1]):
-            turn = (lines[2 + i, j] - gain * lines[1, j]) / s
-            S[i, j] += turn * error + gain * lines[0, j]
+            turn = (column[i, j] - gain * lines.variance[j]) / s
+            S[i, j] += turn * error + gain * lines.error[j]
         for k in range(n):
             other = P[k, m]
             for j in range(S.shape[1]):
-                both = lines[2 + i, j] * other + p * lines[2 + k, j]
-                dP[i, k, j] -= (both - gain * other * lines[1, j]) / s
-    _take(driven, m, moments, kept[0], P)
+                both = column[i, j] * other + p * column[k, j]
+                dP[i, k, j] -= (both - gain * other * lines.variance[j]) / s
+    _take(driven, m, innovation, estimate.x, P)
 
 
 @lean
@@ -80,7 +119,7 @@ def _bend(rates: Numbers, axis: int, i: int, k: int) -> float:
     if high < 3:
         return float(rates[axis, second_place(low, high)])
     if low < 3 and high >= ROLL_RATE:
-        return float(rates[AXES * (high - 3) + axis, 1 + low])
+        return float(rates[AXES * (high - 3) + axis, SLOPES + low])
     return 0.0
 
 
@@ -98,19 +137,16 @@ def matrix_slopes(driven: Driven, rates: Numbers, S: Numbers, dA: Numbers) -> No
 
 @lean
 def own_slopes(
-    system: System, work: tuple[Numbers, Numbers], x: Numbers, own: Numbers, dA: Numbers
+    system: System, accelerations: Accelerations, x: Numbers, own: Numbers, dA: Numbers
 ) -> None:
-    """Add what the coefficients themselves do to the Jacobian; ``own`` is scratch.
-
-    ``work`` is the table and the accelerations.
-    """
-    ship, terms, _, free, driven = system
-    units = units_of(ship, x)
+    """Add what the coefficients themselves do to the Jacobian; ``own`` is scratch."""
+    free, driven = system.free, system.driven
+    units = units_of(system.ship, x)
     for j in range(free.shape[0]):
-        coefficient_slopes(work, terms, driven, units, free[j, 0], own)
+        coefficient_slopes(accelerations, system.terms, driven, units, free[j, FREE], own)
         for e in range(len(driven)):
             for i in range(3):
-                dA[driven[e], i, j] += own[e, 1 + i]
+                dA[driven[e], i, j] += own[e, SLOPES + i]
             for i in range(ROLL_RATE, states_of(driven)):
                 dA[driven[e], i, j] += own[e, i]
 
@@ -118,15 +154,12 @@ def own_slopes(
 @lean
 def _horner(
     driven: Driven,
-    A: Numbers,
-    dA: Numbers,
     part: float,
-    power: tuple[Numbers, Numbers],
-    work: tuple[Numbers, Numbers],
+    room: MatrixRoom,
 ) -> None:
-    """Write I + part A H and its derivatives over H and dH, which ``power`` has."""
-    H, dH = power
-    half, turned = work
+    """Write I + part A H and its derivatives over H and dH, the transition so far."""
+    A, dA, H, dH = room.A, room.dA, room.phi, room.dphi
+    half, turned = room.half, room.turned
     size = states_of(driven)
     half[:] = 0.0
     turned[:] = 0.0
@@ -146,35 +179,31 @@ def _horner(
 @lean
 def transition_slopes(
     driven: Driven,
-    A: Numbers,
-    dA: Numbers,
     T: float,
-    power: tuple[Numbers, Numbers],
-    work: tuple[Numbers, Numbers],
+    room: MatrixRoom,
 ) -> None:
-    """Write the transition and its derivatives to ``power``; ``work`` is like both."""
-    H, dH = power
+    """Write the transition and its derivatives over ``T`` [s]."""
+    H, dH = room.phi, room.dphi
     dH[:] = 0.0
     for i in range(states_of(driven)):
         for k in range(states_of(driven)):
             H[i, k] = 1.0 if i == k else 0.0
     for order in range(4, 0, -1):
-        _horner(driven, A, dA, T / order, power, work)
+        _horner(driven, T / order, room)
 
 
 @lean
 def spread_slopes(
     driven: Driven,
-    phi: tuple[Numbers, Numbers],
-    G: Numbers,
+    room: MatrixRoom,
     dP: Numbers,
-    work: tuple[Numbers, Numbers],
 ) -> None:
     """Advance ``dP`` to dphi G + (dphi G)' + phi dP phi'.
 
-    ``phi`` is the transition with its derivatives, ``G`` is (P + T/2 R1) phi'.
+    G is (P + T/2 R1) phi', which ``half`` has; dA is scratch here.
     """
-    (phi_, dphi), (turned, half) = phi, work
+    phi, dphi, G = room.phi, room.dphi, room.half
+    turned, half = room.turned, room.dA
     size = states_of(driven)
     for i in range(size):
         for k in range(size):
@@ -184,13 +213,13 @@ def spread_slopes(
             for n in range(size):
                 for j in range(dP.shape[2]):
                     turned[i, k, j] += dphi[i, n, j] * G[n, k]
-                    half[i, k, j] += dP[i, n, j] * phi_[k, n]
+                    half[i, k, j] += dP[i, n, j] * phi[k, n]
     for i in range(size):
         for k in range(i + 1):
             for j in range(dP.shape[2]):
                 total = turned[i, k, j] + turned[k, i, j]
                 for n in range(size):
-                    total += phi_[i, n] * half[n, k, j]
+                    total += phi[i, n] * half[n, k, j]
                 dP[i, k, j] = total
                 dP[k, i, j] = total
 
@@ -211,7 +240,7 @@ def noise_slopes(
 @lean
 def rate_slopes(
     system: System,
-    work: tuple[Numbers, Numbers],
+    accelerations: Accelerations,
     x: Numbers,
     S: Numbers,
     own: Numbers,
@@ -219,21 +248,21 @@ def rate_slopes(
 ) -> None:
     """Write the derivatives (n, q) of the rates, those of the state ``x`` being ``S``.
 
-    ``work`` is the table and the accelerations; ``own`` is scratch.
+    ``own`` is scratch.
     """
-    ship, terms, _, free, driven = system
-    rates, units = work[1], units_of(ship, x)
+    free, driven = system.free, system.driven
+    rates, units = accelerations.rates, units_of(system.ship, x)
     for e in range(len(driven)):
         for j in range(S.shape[1]):
             out[driven[e], j] = 0.0
             for i in range(3):
-                out[driven[e], j] += rates[e, 1 + i] * S[i, j]
+                out[driven[e], j] += rates[e, SLOPES + i] * S[i, j]
             for i in range(ROLL_RATE, states_of(driven)):
-                out[driven[e], j] += rates[AXES * (i - 3) + e, 0] * S[i, j]
+                out[driven[e], j] += rates[AXES * (i - 3) + e, VALUE] * S[i, j]
     for i in range(3, states_of(driven), 2):
         for j in range(S.shape[1]):
             out[i, j] = S[i - 1, j]
     for j in range(free.shape[0] if S.shape[1] > 0 else 0):
-        coefficient_slopes(work, terms, driven, units, free[j, 0], own)
+        coefficient_slopes(accelerations, system.terms, driven, units, free[j, FREE], own)
         for e in range(len(driven)):
-            out[driven[e], j] += own[e, 0]
+            out[driven[e], j] += own[e, VALUE]

@@ -5,6 +5,7 @@ length; its kernels make their own scratch, and so count references. A lean kern
 counts none. Nor does a part, whose machine code is put into that of its callers.
 """
 
+from collections import namedtuple
 from typing import TYPE_CHECKING, Any
 
 from numba import njit
@@ -21,6 +22,12 @@ else:
 
 
 Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives
+
+
+def places(names: str) -> Any:
+    """Return the places of numbers that are passed in one row, each by its name."""
+    fields = names.split()
+    return namedtuple("Places", fields)(*range(len(fields)))  # noqa: PYI024 its fields are data
 
 
 # parts of arrays, entry by entry: for a slice the compiler takes half a second

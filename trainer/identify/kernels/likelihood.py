@@ -6,16 +6,40 @@ Only the lower half of J is there; the row of a reading that was taken stays as 
 """
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.covariance_filter import Places, has_settled, predict, run_length
+from trainer.identify.kernels.covariance_filter import (
+    Places,
+    SampledSystem,
+    has_settled,
+    predict,
+    run_length,
+)
 from trainer.identify.kernels.kernel import clear, kernel, lean, part, put, put_block
 
 ABREAST: Final = 64  # samples
 SLACK: Final = 1e-9  # [-] of an eigenvalue
+LOG_DETERMINANTS, SQUARES, SAMPLES, READINGS = 0, 1, 2, 3  # places in the sums of a record
+
+
+class FilterState(NamedTuple):
+    """The state and its covariance."""
+
+    z: Numbers
+    P: Numbers
+
+
+class FilterRoom(NamedTuple):
+    """Scratch of the filter."""
+
+    J: Numbers
+    closed: Numbers  # matrix of the settled filter
+    half: Numbers
+    v: Numbers
+    abreast: Numbers  # samples that a settled filter takes at a time
 
 
 @part
@@ -61,11 +85,11 @@ def _take_all(readings: Numbers, J: Numbers, v: Numbers, sums: Numbers) -> float
             if not variance > 0.0:
                 return math.nan
             product *= variance
-            sums[1] += error * error / variance
+            sums[SQUARES] += error * error / variance
             count += 1
             _take(J, place, error, v)
-    sums[2] += count > 0
-    sums[3] += count
+    sums[SAMPLES] += count > 0
+    sums[READINGS] += count
     return product
 
 
@@ -168,7 +192,7 @@ def _add_squares(
         for k in range(count):
             squares[k] += out[i, k] * out[i, k]
     for k in range(count):
-        sums[1] += squares[k]
+        sums[SQUARES] += squares[k]
 
 
 @part
@@ -197,17 +221,17 @@ def _run_settled(
 
 @lean
 def _filter(
-    system: tuple[Numbers, Numbers],
+    system: SampledSystem,
     table: Numbers,
     which: Places,
-    kept: tuple[Numbers, Numbers],
-    work: tuple[Numbers, Numbers, Numbers, Numbers, Numbers],
+    now: FilterState,
+    room: FilterRoom,
     sums: Numbers,
 ) -> None:
-    """Add the sums of the record to ``sums``, from the state z and covariance P ``kept`` on."""
-    mean, noise = system
-    z, P = kept
-    J, closed, half, v, abreast = work
+    """Add the sums of the record to ``sums``, from the state ``now`` on."""
+    mean, noise = system.mean, system.noise
+    z, P = now.z, now.P
+    J, half, v = room.J, room.half, room.v
     states, readings = half.size, v.size - half.size
     k = 0
     while k < table.shape[0]:
@@ -216,20 +240,21 @@ def _filter(
             z[j] = row[readings + j - states]
         predict(W, z, v)
         _joint(W, noise[which[k]], P, half, J)
-        before = sums[3]
+        before = sums[READINGS]
         determinant = math.log(_take_all(row[:readings], J, v, sums))
-        sums[0] += determinant
+        sums[LOG_DETERMINANTS] += determinant
         if math.isnan(determinant):
             return
-        constant = sums[3] - before == readings and has_settled(J, P)
+        constant = sums[READINGS] - before == readings and has_settled(J, P)
         _advance(J, v, z, P)
         k += 1
         if constant and k < table.shape[0] and which[k] == which[k - 1]:
-            _closed_filter(W, J, states, closed)
-            taken = _run_settled(closed, table[k : run_length(which, k)], z, abreast, sums)
-            sums[0] += taken * determinant
-            sums[2] += taken
-            sums[3] += taken * readings
+            _closed_filter(W, J, states, room.closed)
+            settled = table[k : run_length(which, k)]
+            taken = _run_settled(room.closed, settled, z, room.abreast, sums)
+            sums[LOG_DETERMINANTS] += taken * determinant
+            sums[SAMPLES] += taken
+            sums[READINGS] += taken * readings
             k += taken
 
 
@@ -249,9 +274,10 @@ def likelihood_sums(
     put_block(start[:, 1:], 0, P)
     closed = np.empty((rows, table.shape[1] + 1 + states))
     abreast = np.empty((table.shape[1] + rows + 1, ABREAST))
-    work = np.empty((rows, rows)), closed, np.empty(states), np.empty(rows), abreast
+    room = FilterRoom(np.empty((rows, rows)), closed, np.empty(states), np.empty(rows), abreast)
     clear(sums)
-    _filter((mean, noise), table, which, (z, P), work, sums)
+    system = SampledSystem(mean, noise, start)
+    _filter(system, table, which, FilterState(z, P), room, sums)
 
 
 @part

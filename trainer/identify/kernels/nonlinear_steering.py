@@ -4,23 +4,29 @@ T1 T2 r'' + (T1 + T2) r' + K H(r) = K (delta + T3 delta'), H(r) = H1 r + H2 |r| 
 are complex, so that an imaginary step carries a derivative.
 """
 
+from typing import Final
+
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import kernel
+from trainer.identify.kernels.kernel import kernel, places
 from trainer.identify.kernels.sampling import Complexes
 from trainer.identify.kernels.ship_models import magnitude
+
+BENT: Final = places("K T1 T2 T3 H1 H2 H3 delta_0")  # of a ship's numbers, SI
+Z, YAW_RATE, HEADING = 0, 1, 2  # places in the state
 
 
 @kernel
 def bent_rates(ship: Complexes, delta: float, s: Complexes, out: Complexes) -> None:
-    """Write d(z, r, psi)/dt. ``ship`` is K, T1, T2, T3, H1, H2, H3, residual helm, SI."""
-    K, T1, T2, T3 = ship[0], ship[1], ship[2], ship[3]
-    r = s[1]
-    helm = delta - ship[7]
-    out[0] = K * (helm - r * (ship[4] + ship[5] * magnitude(r) + ship[6] * r * r))
-    out[1] = (s[0] - (T1 + T2) * r + K * T3 * helm) / (T1 * T2)
-    out[2] = r
+    """Write d(z, r, psi)/dt."""
+    K, T1, T2, T3 = ship[BENT.K], ship[BENT.T1], ship[BENT.T2], ship[BENT.T3]
+    H1, H2, H3 = ship[BENT.H1], ship[BENT.H2], ship[BENT.H3]
+    r = s[YAW_RATE]
+    helm = delta - ship[BENT.delta_0]
+    out[Z] = K * (helm - r * (H1 + H2 * magnitude(r) + H3 * r * r))
+    out[YAW_RATE] = (s[Z] - (T1 + T2) * r + K * T3 * helm) / (T1 * T2)
+    out[HEADING] = r
 
 
 @kernel

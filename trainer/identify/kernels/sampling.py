@@ -10,6 +10,8 @@ A system with states x, inputs u and outputs y is one block matrix ``drift``, ro
 1). ``noise`` and ``covariance`` are the covariances of the same rows.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +19,34 @@ from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import Entries, kernel, lean, part, put_block
 
 Complexes = NDArray[np.complex128]
-Room = tuple[Entries, Entries]  # scratch for rows of [A B f], and for squares
+OLD, NEW = 0, 1  # places in the time that each of two inputs acts
+
+
+class Room(NamedTuple):
+    """Scratch: rows of [A B f], then squares."""
+
+    term: Entries
+    product: Entries
+    before: Entries
+    after: Entries
+    square_term: Entries
+    square_product: Entries
+    early: Entries
+
+
+class ContinuousBlocks(NamedTuple):
+    """Continuous systems."""
+
+    drift: Entries  # (b, x+y, x+u+1)
+    noise: Entries  # (b, x+y, x+y)
+    lag: Entries  # (b,) [s]
+
+
+class SampledBlocks(NamedTuple):
+    """The same, sampled."""
+
+    mean: Entries  # (b, m, x+y, x+2u+1)
+    covariance: Entries  # (b, m, x+y, x+y)
 
 
 @part
@@ -47,10 +76,10 @@ def _times(left: Entries, right: Entries, out: Entries) -> None:
 
 
 @part
-def _mean_series(drift: Entries, h: complex, room: Entries, mean: Entries) -> None:
+def _mean_series(drift: Entries, h: complex, room: Room, mean: Entries) -> None:
     """Write [Phi Gamma] over a short ``h`` [s]: the power series of exp([A B; 0 0] h)."""
     rows, columns = drift.shape
-    term, product = room[0], room[1]
+    term, product = room.term, room.product
     for i in range(rows):
         for j in range(columns):
             term[i, j] = drift[i, j] * h
@@ -67,11 +96,11 @@ def _mean_series(drift: Entries, h: complex, room: Entries, mean: Entries) -> No
 
 @part
 def _noise_series(
-    drift: Entries, noise: Entries, h: complex, room: Entries, covariance: Entries
+    drift: Entries, noise: Entries, h: complex, room: Room, covariance: Entries
 ) -> None:
     """Write the integral of exp(A s) R exp(A' s) over a short ``h`` [s] as its power series."""
     rows = noise.shape[0]
-    term, product = room[0], room[1]
+    term, product = room.square_term, room.square_product
     for i in range(rows):
         for j in range(rows):
             term[i, j] = noise[i, j] * h
@@ -102,10 +131,10 @@ def _carry(mean: Entries, covariance: Entries, product: Entries, later: Entries)
 def _double(room: Room, mean: Entries, covariance: Entries) -> None:
     """Write the mean and covariance of two equal intervals over those of one."""
     rows, columns = mean.shape
-    once, early = room[0][0], room[1][0]
+    once, early = room.term, room.square_term
     put_block(mean, 0, once)
     put_block(covariance, 0, early)
-    _carry(once, early, room[1][1], covariance)
+    _carry(once, early, room.square_product, covariance)
     _times(once, once, mean)
     for i in range(rows):
         for j in range(rows, columns):
@@ -126,8 +155,8 @@ def propagate(
         largest *= 0.5
         doublings += 1
     short = h * 0.5**doublings
-    _mean_series(drift, short, room[0], mean)
-    _noise_series(drift, noise, short, room[1], covariance)
+    _mean_series(drift, short, room, mean)
+    _noise_series(drift, noise, short, room, covariance)
     for _ in range(doublings):
         _double(room, mean, covariance)
 
@@ -150,19 +179,20 @@ def _over(
     """
     rows, columns = drift.shape
     inputs = columns - rows - 1
-    before, after, early = room[0][2], room[0][3], room[1][2]
-    propagate(drift, noise, ends[0], room, before, early)
-    propagate(drift, noise, ends[1], room, after, covariance)
-    _carry(after, early, room[1][0], covariance)
+    constant = columns - 1
+    before, after, early = room.before, room.after, room.early
+    propagate(drift, noise, ends[OLD], room, before, early)
+    propagate(drift, noise, ends[NEW], room, after, covariance)
+    _carry(after, early, room.square_term, covariance)
     for i in range(rows):
         for j in range(columns):
             total = after[i, 0] * before[0, j]
             for k in range(1, rows):
                 total += after[i, k] * before[k, j]
-            mean[i, j if j < columns - 1 else columns - 1 + inputs] = total
+            mean[i, j if j < constant else constant + inputs] = total
         for j in range(inputs):
-            mean[i, columns - 1 + j] = after[i, rows + j]
-        mean[i, columns - 1 + inputs] += after[i, columns - 1]
+            mean[i, constant + j] = after[i, rows + j]
+        mean[i, constant + inputs] += after[i, constant]
 
 
 @part
@@ -175,33 +205,40 @@ def _part_columns(source: Entries, states: int, by: int, out: Entries) -> None:
 
 @kernel
 def sample_blocks(
-    blocks: tuple[Entries, Entries, Entries],
+    blocks: ContinuousBlocks,
     intervals: Numbers,
     moving: int,
-    out: tuple[Entries, Entries],
+    out: SampledBlocks,
 ) -> None:
     """Write the sampled systems, of which the first ``moving`` rows run over the interval.
 
-    MEAS 0 and 1, MI 4 and 7. ``blocks`` are drift (b, x+y, x+u+1), noise (b, x+y, x+y) and lag (b,)
-    [s], ``intervals`` (m,) [s]; ``out`` are mean (b, m, x+y, x+2u+1) and covariance (b, m, x+y,
-    x+y), zeros before. Where the states alone move, a reading sees the input of its own instant.
-    Where the readings do too, their rows are rates, and they are summed from zero.
+    MEAS 0 and 1, MI 4 and 7. ``intervals`` (m,) [s]; ``out`` has zeros before. Where the states
+    alone move, a reading sees the input of its own instant. Where the readings do too, their rows
+    are rates, and they are summed from zero.
     """
-    drift, noise, lag = blocks
-    mean, covariance = out
+    drift, noise, lag = blocks.drift, blocks.noise, blocks.lag
+    mean, covariance = out.mean, out.covariance
     batch, rows, columns = drift.shape
     inputs = mean.shape[3] - columns
     states = columns - inputs - 1
     ends = np.empty(2, drift.dtype)
     stacked = np.zeros((moving, moving + inputs + 1), drift.dtype)
-    wide = np.empty((4, moving, moving + inputs + 1), drift.dtype)
-    room = wide, np.empty((3, moving, moving), drift.dtype)
+    width, kind = moving + inputs + 1, drift.dtype
+    room = Room(
+        np.empty((moving, width), kind),
+        np.empty((moving, width), kind),
+        np.empty((moving, width), kind),
+        np.empty((moving, width), kind),
+        np.empty((moving, moving), kind),
+        np.empty((moving, moving), kind),
+        np.empty((moving, moving), kind),
+    )
     whole = np.empty((moving, moving + 2 * inputs + 1), drift.dtype)
     for b in range(batch):
         _part_columns(drift[b, :moving], states, moving - states, stacked)
         for m in range(intervals.size):
-            ends[0] = _bound_lag(lag[b], intervals[m])
-            ends[1] = intervals[m] - ends[0]
+            ends[OLD] = _bound_lag(lag[b], intervals[m])
+            ends[NEW] = intervals[m] - ends[OLD]
             around = covariance[b, m, :moving, :moving]
             _over(stacked, noise[b, :moving, :moving], ends, room, whole, around)
             for i in range(moving):

@@ -6,6 +6,7 @@ information; with the error and its square they make the gradient of -log L.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.kernels.covariance_filter import (
     Mask,
     Places,
+    SampledSystem,
     advance,
     all_there,
     condition,
@@ -25,6 +27,51 @@ from trainer.identify.kernels.covariance_filter import (
 from trainer.identify.kernels.kernel import clear, kernel, lean, part, put, put_block
 
 SETTLED = 1e-20  # [-] square of the relative change of a derivative of P
+
+
+class SlopedState(NamedTuple):
+    """The state, its covariance and their slopes."""
+
+    z: Numbers
+    P: Numbers
+    dx: Numbers  # (x, p)
+    dP: Numbers  # (x, x, p)
+
+
+class Samples(NamedTuple):
+    """The rows of a record, and the system that leads from each to the next."""
+
+    table: Numbers
+    which: Places
+
+
+class ScoreRows(NamedTuple):
+    """What is written: standardised slopes of errors and covariances, and the gradient."""
+
+    errors: Numbers  # (n, y, p)
+    covariances: Numbers  # (n, y*y, p), by stage
+    gradient: Numbers  # (p,)
+
+
+class ScoreRoom(NamedTuple):
+    """Scratch of a record's rows."""
+
+    J: Numbers
+    dJ: Numbers
+    half: Numbers  # of J
+    d_half: Numbers
+    v: Numbers  # next state and readings
+    dv: Numbers
+    error: Numbers
+    U: Numbers  # root of R^-1
+    standard: Numbers  # U error
+    products: Numbers  # its product with itself, summed over the samples of a stage
+    line: Numbers  # (y, p)
+    value: Numbers  # (p,)
+    change: Numbers
+    total: Numbers
+    there: Mask  # readings that are
+    used: Mask  # entries of the systems' matrices that any parameter changes
 
 
 @part
@@ -85,13 +132,11 @@ def _entry(J: Numbers, dJ: Numbers, states: int, place: tuple[int, int], value: 
 
 
 @part
-def _condition(J: Numbers, dJ: Numbers, lines: Numbers, dP: Numbers) -> float:
-    """Return the square of the change [-] of ``dP``, as it becomes that after the readings.
-
-    ``lines`` (3 or more, p) is scratch.
-    """
+def _condition(room: ScoreRoom, dP: Numbers) -> float:
+    """Return the square of the change [-] of ``dP``, as it becomes that after the readings."""
     states, count = dP.shape[0], dP.shape[2]
-    value, change, total = lines[0], lines[1], lines[2]
+    J, dJ = room.J, room.dJ
+    value, change, total = room.value, room.change, room.total
     for q in range(count):
         change[q] = 0.0
         total[q] = 0.0
@@ -145,11 +190,10 @@ def _find_used(slopes: Numbers, used: Mask) -> None:
 
 @part
 def _mean_slopes(
-    mean: Numbers, slopes: tuple[Numbers, Mask], z: Numbers, dx: Numbers, out: Numbers
+    mean: Numbers, dW: Numbers, used: Mask, z: Numbers, dx: Numbers, out: Numbers
 ) -> None:
-    """Write dv = dW z + W_x dx to ``out`` (x+y, p). ``slopes`` says which of its rows are used."""
+    """Write dv = dW z + W_x dx to ``out`` (x+y, p); ``used`` says which of dW are not zero."""
     rows, count = out.shape
-    dW, used = slopes
     for i in range(rows):
         for q in range(count):
             out[i, q] = mean[i, 0] * dx[0, q]
@@ -163,35 +207,35 @@ def _mean_slopes(
 
 
 @part
-def _standardise(U: Numbers, error: Numbers, dv: Numbers, out: Numbers, squares: Numbers) -> float:
-    """Return error' R^-1 error, after writing U d(error) to ``out`` (y, p).
+def _standardise(room: ScoreRoom, out: Numbers) -> float:
+    """Return error' R^-1 error, after writing U error, and U d(error) to ``out`` (y, p).
 
-    The error is reading less prediction. ``squares`` (y, 1+y) has U error first, and then gains
-    its product with itself.
+    The error is reading less prediction.
     """
     readings, count = out.shape
+    U, error, dv, standard = room.U, room.error, room.dv, room.standard
     states, size = dv.shape[0] - readings, 0.0
     for i in range(readings):
-        squares[i, 0] = 0.0
+        standard[i] = 0.0
         for q in range(count):
             out[i, q] = 0.0
         for j in range(i, readings):
-            squares[i, 0] += U[i, j] * error[j]
+            standard[i] += U[i, j] * error[j]
             for q in range(count):
                 out[i, q] -= U[i, j] * dv[states + j, q]
-        size += squares[i, 0] * squares[i, 0]
+        size += standard[i] * standard[i]
     for i in range(readings):
         for j in range(readings):
-            squares[i, 1 + j] += squares[i, 0] * squares[j, 0]
+            room.products[i, j] += standard[i] * standard[j]
     return size
 
 
 @part
 def _add_slope(rows: Numbers, weights: Numbers, slope: Numbers) -> None:
-    """Add the sum of ``rows`` (y, p), each by its weight in the first column, to ``slope``."""
+    """Add the sum of ``rows`` (y, p), each by its weight, to ``slope``."""
     for i in range(rows.shape[0]):
         for q in range(rows.shape[1]):
-            slope[q] += weights[i, 0] * rows[i, q]
+            slope[q] += weights[i] * rows[i, q]
 
 
 @part
@@ -208,13 +252,12 @@ def _next_slopes(J: Numbers, dJ: Numbers, error: Numbers, dv: Numbers, dx: Numbe
 
 
 @part
-def _close_stage(
-    U: Numbers, dJ: Numbers, counted: int, squares: Numbers, rows: Numbers, slope: Numbers
-) -> None:
+def _close_stage(room: ScoreRoom, counted: int, rows: Numbers, slope: Numbers) -> None:
     """Write U dR U' sqrt(samples/2) of a stage to ``rows`` (y*y, p), its part to ``slope``.
 
-    ``squares`` has the sum of U error error' U' over its samples, and is cleared.
+    The sum of U error error' U' over its samples is cleared.
     """
+    U, dJ, products = room.U, room.dJ, room.products
     readings, count = U.shape[0], dJ.shape[2]
     states = dJ.shape[0] - readings
     weight = math.sqrt(0.5 * counted)
@@ -228,99 +271,101 @@ def _close_stage(
                     factor = weight * U[i, k] * U[j, m]
                     for q in range(count):
                         rows[place, q] += factor * dJ[states + k, states + m, q]
-            left = (counted if i == j else 0.0) - squares[i, 1 + j]
+            left = (counted if i == j else 0.0) - products[i, j]
             left *= 0.5 / weight
             for q in range(count):
                 slope[q] += left * rows[place, q]
-            squares[i, 1 + j] = 0.0
+            products[i, j] = 0.0
 
 
 @lean
 def _rows(
-    system: tuple[Numbers, Numbers, Numbers, Numbers],
-    samples: tuple[Numbers, Places],
-    now: tuple[Numbers, Numbers, Numbers, Numbers],
-    work: tuple[tuple[Numbers, ...], tuple[Numbers, ...], tuple[Mask, Mask]],
-    out: tuple[Numbers, Numbers, Numbers],
+    system: SampledSystem,
+    slopes: SampledSystem,
+    samples: Samples,
+    now: SlopedState,
+    room: ScoreRoom,
+    out: ScoreRows,
 ) -> tuple[int, float]:
-    """Return and write as ``score_rows`` does.
-
-    ``now`` has state, covariance and their slopes at the start.
-    """
-    mean, noise, d_mean, d_noise = system
-    table, which = samples
-    z, P, dx, dP = now
-    (half, v, error, U, J, squares), (dJ, d_half, dv, lines), (there, used) = work
-    errors, covariances, slope = out
+    """Return and write as ``score_rows`` does, from the state ``now`` on."""
+    table, which = samples.table, samples.which
+    z, P, dx, dP = now.z, now.P, now.dx, now.dP
+    J, dJ, v, dv = room.J, room.dJ, room.v, room.dv
+    error, there = room.error, room.there
     rows, states, readings = v.size, P.shape[0], error.size
     stages, counted, constant, cost, determinant = 0, 0, False, 0.0, 0.0
     for k in range(table.shape[0]):
-        W, dW = mean[which[k]], d_mean[which[k]]
+        W, dW = system.mean[which[k]], slopes.mean[which[k]]
         put(table[k, readings:], states, z)
         predict(W, z, v)
-        _mean_slopes(W, (dW, used[which[k]]), z, dx, dv)
+        _mean_slopes(W, dW, room.used[which[k]], z, dx, dv)
         residual(table[k], v, error, there)
         constant = constant and all_there(there) and which[k] == which[k - 1]
         if not constant:
             if stages > 0:
-                _close_stage(U, dJ, counted, squares, covariances[stages - 1], slope)
+                _close_stage(room, counted, out.covariances[stages - 1], out.gradient)
             stages, counted = stages + 1, 0
-            joint(W, noise[which[k]], P, half, J)
+            joint(W, system.noise[which[k]], P, room.half, J)
             for i in range(rows):
-                put_block(d_noise[which[k], i], 0, dJ[i])
-            _half_slopes(W, dW, P, dP, d_half)
-            _joint_slopes(W, d_half, dJ)
+                put_block(slopes.noise[which[k], i], 0, dJ[i])
+            _half_slopes(W, dW, P, dP, room.d_half)
+            _joint_slopes(W, room.d_half, dJ)
             determinant = condition(J, error, there)
             if math.isnan(determinant):
                 return 0, determinant
-            _root(J, readings, U)
-            moved = _condition(J, dJ, lines, dP)
+            _root(J, readings, room.U)
+            moved = _condition(room, dP)
             constant = all_there(there) and has_settled(J, P) and moved < SETTLED
-            _gain_slopes(J, dJ, states, lines)
-        cost += determinant + _standardise(U, error, dv, errors[k], squares)
-        _add_slope(errors[k], squares, slope)
+            _gain_slopes(J, dJ, states, room.line)
+        cost += determinant + _standardise(room, out.errors[k])
+        _add_slope(out.errors[k], room.standard, out.gradient)
         _next_slopes(J, dJ, error, dv, dx)
         if constant:
             move(J, v, error, z)
         else:
             advance(J, v, error, z, P)
         counted += 1
-    _close_stage(U, dJ, counted, squares, covariances[stages - 1], slope)
+    _close_stage(room, counted, out.covariances[stages - 1], out.gradient)
     return stages, 0.5 * cost
 
 
 @kernel
 def score_rows(
-    system: tuple[Numbers, Numbers, Numbers],
-    slopes: tuple[Numbers, Numbers, Numbers],
-    table: Numbers,
-    which: Places,
-    out: tuple[Numbers, Numbers, Numbers],
+    system: SampledSystem, slopes: SampledSystem, table: Numbers, which: Places, out: ScoreRows
 ) -> tuple[int, float]:
     """Return the number of stages and -log L less its constant; write rows and gradient.
 
-    0 if R is not positive definite. ``system`` is mean, noise and start; ``slopes`` are those of
-    the same, parameters last. Of ``out`` errors (n, y, p) gets the standardised derivatives of each
-    error, covariances (n, y*y, p) those of each stage, and the last (p,) the gradient.
+    0 if R is not positive definite. ``slopes`` are those of the ``system``, parameters last.
     """
-    mean, noise, start = system
-    d_mean, d_noise, d_start = slopes
-    rows, columns = mean.shape[1:]
-    states, readings, count = start.shape[0], out[0].shape[1], out[0].shape[2]
+    rows, columns = system.mean.shape[1:]
+    states = system.start.shape[0]
+    readings, count = out.errors.shape[1:]
     z, P = np.ones(columns), np.empty((states, states))
-    put(start[:, 0], 0, z)
-    put_block(start[:, 1:], 0, P)
+    put(system.start[:, 0], 0, z)
+    put_block(system.start[:, 1:], 0, P)
     dx, dP = np.empty((states, count)), np.empty((states, states, count))
-    put_block(d_start[:, 0], 0, dx)
+    put_block(slopes.start[:, 0], 0, dx)
     for i in range(states):
-        put_block(d_start[i, 1:], 0, dP[i])
-    half, v, error = np.empty((rows, states)), np.empty(rows), np.empty(readings)
-    U, squares = np.zeros((readings, readings)), np.zeros((readings, 1 + readings))
-    plain = half, v, error, U, np.empty((rows, rows)), squares
-    d_half, lines = np.empty((rows, states, count)), np.empty((max(3, readings), count))
-    sloped = np.empty((rows, rows, count)), d_half, np.empty((rows, count)), lines
-    used = np.empty((mean.shape[0], rows, columns), np.bool_)
-    _find_used(d_mean, used)
-    work = plain, sloped, (np.empty(readings, np.bool_), used)
-    clear(out[2])
-    return _rows((mean, noise, d_mean, d_noise), (table, which), (z, P, dx, dP), work, out)
+        put_block(slopes.start[i, 1:], 0, dP[i])
+    used = np.empty((system.mean.shape[0], rows, columns), np.bool_)
+    _find_used(slopes.mean, used)
+    room = ScoreRoom(
+        np.empty((rows, rows)),
+        np.empty((rows, rows, count)),
+        np.empty((rows, states)),
+        np.empty((rows, states, count)),
+        np.empty(rows),
+        np.empty((rows, count)),
+        np.empty(readings),
+        np.zeros((readings, readings)),
+        np.zeros(readings),
+        np.zeros((readings, readings)),
+        np.empty((readings, count)),
+        np.empty(count),
+        np.empty(count),
+        np.empty(count),
+        np.empty(readings, np.bool_),
+        used,
+    )
+    clear(out.gradient)
+    return _rows(system, slopes, Samples(table, which), SlopedState(z, P, dx, dP), room, out)

@@ -7,15 +7,38 @@ Angles stand for lag and correlations (sine), and magnitudes for variances, so t
 is allowed. An imaginary step goes through both.
 """
 
+from typing import Final
+
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import kernel
+from trainer.identify.kernels.kernel import kernel, places
 from trainer.identify.kernels.sampling import Complexes
 from trainer.units import DEGREE
 
 BOW, STERN, SWAY, RATE, HEADING = 0, 1, 2, 3, 4
 L, V, L1, L2, T, OUTPUTS = 0, 1, 2, 3, 4, 5
+STATES, FEWER_STATES = 3, 2  # of all models but one, and of that of first order
+
+# places of the parameters of each model
+MODEL_1: Final = places(
+    "m11 m12 m21 m22 Y_v Y_r N_v N_r Y_psi l_psi Y_delta l_delta Y_0 N_0 v1_0 v2_0 r_0 "
+    "R1_Y R1_N R1_YN R2_v1 R2_v2 R2_r R2_psi x1_0 x2_0 x3_0 P11 P22 P33 P12 P13 P23 lag"
+)
+MODEL_2: Final = places(
+    "a1 a2 a3 c1 c2 c3 f1 f2 f3 v_0 R1_1 R1_2 R1_3 R1_12 R1_13 R1_23 R2_v "
+    "x1_0 x2_0 x3_0 P11 P22 P33 P12 P13 P23 lag"
+)
+MODEL_3: Final = places(
+    "a1 a2 a3 b1 b2 f1 f2 r_0 R1_1 R1_2 R1_12 R2_r R2_psi R2_rpsi "
+    "x1_0 x2_0 x3_0 P11 P22 P33 P12 P13 P23 lag"
+)
+NOMOTO_1: Final = places("K T delta_0 r_0 R1_r R2_r R2_psi x1_0 x2_0 P11 P22 lag")
+NOMOTO_2: Final = places(
+    "a1 a2 b1 b2 delta_0 r_0 R1_1 R1_2 R2_r R2_psi x1_0 x2_0 x3_0 P11 P22 P33 lag"
+)
+START: Final = places("P11 P22 P33 P12 P13 P23")  # of the first covariance
+YAW: Final = places("r_0 R2_r R2_psi R2_rpsi")  # of the readings of yaw
 
 KNOT = 3600.0 / 1852.0  # [kn/(m/s)] alpha 2
 
@@ -43,30 +66,30 @@ def _start_variances(theta: Complexes, start: Complexes) -> None:
     """Write P(t0) (3, 3) after the state of ``start`` from its six parameters."""
     for i in range(3):
         start[i, 1 + i] = magnitude(theta[i])
-    start[0, 2] = start[1, 1] = theta[3]
-    start[0, 3] = start[2, 1] = theta[4]
-    start[1, 3] = start[2, 2] = theta[5]
+    start[0, 2] = start[1, 1] = theta[START.P12]
+    start[0, 3] = start[2, 1] = theta[START.P13]
+    start[1, 3] = start[2, 2] = theta[START.P23]
 
 
 @kernel
 def _model_1_outputs(t: Complexes, ship: Numbers, drift: Complexes, noise: Complexes) -> None:
     """Write the rows of the outputs of Model 1: bow and stern log, sway, yaw rate, heading."""
-    for row in range(3, drift.shape[0]):
-        output = int(ship[OUTPUTS + row - 3])
+    for row in range(STATES, drift.shape[0]):
+        output = int(ship[OUTPUTS + row - STATES])
         if output == RATE:
             drift[row, 1] = 1.0 / DEGREE
-            drift[row, 4] = t[16]
-            noise[row, row] = magnitude(t[22])
+            drift[row, 4] = t[MODEL_1.r_0]
+            noise[row, row] = magnitude(t[MODEL_1.R2_r])
         elif output == HEADING:
             drift[row, 2] = 1.0 / DEGREE
-            noise[row, row] = magnitude(t[23])
+            noise[row, row] = magnitude(t[MODEL_1.R2_psi])
         else:
             aft = output == STERN
             arm = 0.0 if output == SWAY else (-ship[L2] if aft else ship[L1])
             drift[row, 0] = KNOT
             drift[row, 1] = KNOT * arm
-            drift[row, 4] = t[15] if aft else t[14]
-            noise[row, row] = magnitude(t[21] if aft else t[20])
+            drift[row, 4] = t[MODEL_1.v2_0] if aft else t[MODEL_1.v1_0]
+            noise[row, row] = magnitude(t[MODEL_1.R2_v2] if aft else t[MODEL_1.R2_v1])
 
 
 @kernel
@@ -75,21 +98,29 @@ def _model_1(t: Complexes, ship: Numbers, drift: Complexes, noise: Complexes) ->
     speed = ship[V]
     arm = ship[L]
     e = arm / (speed * speed)
-    e11, e12, e21, e22 = e * t[0], e * arm * t[1], e * t[2], e * arm * t[3]
+    e11, e12, e21, e22 = (
+        e * t[MODEL_1.m11],
+        e * arm * t[MODEL_1.m12],
+        e * t[MODEL_1.m21],
+        e * arm * t[MODEL_1.m22],
+    )
     det = e11 * e22 - e12 * e21
     i11, i12, i21, i22 = e22 / det, -e12 / det, -e21 / det, e11 / det
     force = np.empty((2, 5), drift.dtype)
-    force[0, 0], force[1, 0] = t[4] / speed, t[6] / speed
-    force[0, 1], force[1, 1] = arm / speed * t[5], arm / speed * t[7]
-    force[0, 2], force[1, 2] = t[8], t[8] * t[9]
-    force[0, 3], force[1, 3] = DEGREE * t[10], -DEGREE * t[10] * t[11]
-    force[0, 4], force[1, 4] = t[12], t[13]
+    force[0, 0], force[1, 0] = t[MODEL_1.Y_v] / speed, t[MODEL_1.N_v] / speed
+    force[0, 1], force[1, 1] = arm / speed * t[MODEL_1.Y_r], arm / speed * t[MODEL_1.N_r]
+    force[0, 2], force[1, 2] = t[MODEL_1.Y_psi], t[MODEL_1.Y_psi] * t[MODEL_1.l_psi]
+    force[0, 3], force[1, 3] = (
+        DEGREE * t[MODEL_1.Y_delta],
+        -DEGREE * t[MODEL_1.Y_delta] * t[MODEL_1.l_delta],
+    )
+    force[0, 4], force[1, 4] = t[MODEL_1.Y_0], t[MODEL_1.N_0]
     for j in range(5):
         drift[0, j] = i11 * force[0, j] + i12 * force[1, j]
         drift[1, j] = i21 * force[0, j] + i22 * force[1, j]
     drift[2, 1] = 1.0
-    y, n = magnitude(t[17]), magnitude(t[18])
-    q = _covariance(t[17], t[18], t[19])
+    y, n = magnitude(t[MODEL_1.R1_Y]), magnitude(t[MODEL_1.R1_N])
+    q = _covariance(t[MODEL_1.R1_Y], t[MODEL_1.R1_N], t[MODEL_1.R1_YN])
     noise[0, 0] = i11 * i11 * y + 2.0 * i11 * i12 * q + i12 * i12 * n
     noise[1, 1] = i21 * i21 * y + 2.0 * i21 * i22 * q + i22 * i22 * n
     noise[0, 1] = i11 * i21 * y + (i11 * i22 + i12 * i21) * q + i12 * i22 * n
@@ -110,11 +141,11 @@ def model_1(
         t = theta[b]
         _model_1(t, ship, drift[b], noise[b])
         _model_1_outputs(t, ship, drift[b], noise[b])
-        start[b, 0, 0] = t[24] / KNOT
-        start[b, 1, 0] = DEGREE * t[25]
-        start[b, 2, 0] = DEGREE * t[26]
-        _start_variances(t[27:33], start[b])
-        lag[b] = _lag(t[33], ship[T])
+        start[b, 0, 0] = t[MODEL_1.x1_0] / KNOT
+        start[b, 1, 0] = DEGREE * t[MODEL_1.x2_0]
+        start[b, 2, 0] = DEGREE * t[MODEL_1.x3_0]
+        _start_variances(t[MODEL_1.P11 : MODEL_1.lag], start[b])
+        lag[b] = _lag(t[MODEL_1.lag], ship[T])
 
 
 @kernel
@@ -132,22 +163,24 @@ def model_2(
         t = theta[b]
         power = 1.0
         for i in range(3):
-            drift[b, i, 3] = DEGREE * ship[V] * k * power * t[3 + i]
+            drift[b, i, 3] = DEGREE * ship[V] * k * power * t[MODEL_2.c1 + i]
             power *= k
-            drift[b, i, 0] = -power * t[i]
-            drift[b, i, 4] = t[6 + i]
-            noise[b, i, i] = magnitude(t[10 + i])
-            start[b, i, 0] = t[17 + i]
+            drift[b, i, 0] = -power * t[MODEL_2.a1 + i]
+            drift[b, i, 4] = t[MODEL_2.f1 + i]
+            noise[b, i, i] = magnitude(t[MODEL_2.R1_1 + i])
+            start[b, i, 0] = t[MODEL_2.x1_0 + i]
         drift[b, 0, 1] = drift[b, 1, 2] = 1.0
         drift[b, 3, 0] = KNOT
-        drift[b, 3, 4] = t[9]
-        noise[b, 0, 1] = noise[b, 1, 0] = _covariance(t[10], t[11], t[13])
-        noise[b, 0, 2] = noise[b, 2, 0] = t[14]
-        noise[b, 1, 2] = noise[b, 2, 1] = t[15]
-        noise[b, 3, 3] = magnitude(t[16])
+        drift[b, 3, 4] = t[MODEL_2.v_0]
+        noise[b, 0, 1] = noise[b, 1, 0] = _covariance(
+            t[MODEL_2.R1_1], t[MODEL_2.R1_2], t[MODEL_2.R1_12]
+        )
+        noise[b, 0, 2] = noise[b, 2, 0] = t[MODEL_2.R1_13]
+        noise[b, 1, 2] = noise[b, 2, 1] = t[MODEL_2.R1_23]
+        noise[b, 3, 3] = magnitude(t[MODEL_2.R2_v])
         start[b, 0, 0] /= KNOT
-        _start_variances(t[20:26], start[b])
-        lag[b] = _lag(t[26], ship[T])
+        _start_variances(t[MODEL_2.P11 : MODEL_2.lag], start[b])
+        lag[b] = _lag(t[MODEL_2.lag], ship[T])
 
 
 @kernel
@@ -156,16 +189,18 @@ def _yaw_outputs(readings: Complexes, ship: Numbers, drift: Complexes, noise: Co
 
     ``readings``: bias of the rate, variances of rate and heading, angle of their correlation.
     """
-    for row in range(3, drift.shape[0]):
-        if int(ship[OUTPUTS + row - 3]) == RATE:
+    for row in range(STATES, drift.shape[0]):
+        if int(ship[OUTPUTS + row - STATES]) == RATE:
             drift[row, 1] = 1.0 / DEGREE
-            drift[row, 4] = readings[0]
-            noise[row, row] = magnitude(readings[1])
+            drift[row, 4] = readings[YAW.r_0]
+            noise[row, row] = magnitude(readings[YAW.R2_r])
         else:
             drift[row, 2] = 1.0 / DEGREE
-            noise[row, row] = magnitude(readings[2])
+            noise[row, row] = magnitude(readings[YAW.R2_psi])
     if drift.shape[0] == 5:
-        noise[3, 4] = noise[4, 3] = _covariance(readings[1], readings[2], readings[3])
+        noise[3, 4] = noise[4, 3] = _covariance(
+            readings[YAW.R2_r], readings[YAW.R2_psi], readings[YAW.R2_rpsi]
+        )
 
 
 @kernel
@@ -182,23 +217,29 @@ def model_3(
     readings = np.empty(4, drift.dtype)
     for b in range(theta.shape[0]):
         t = theta[b]
-        drift[b, 0, 2] = -k * k * k * t[2]
-        drift[b, 0, 3] = DEGREE * k * k * k * t[4]
-        drift[b, 0, 4] = t[5]
+        drift[b, 0, 2] = -k * k * k * t[MODEL_3.a3]
+        drift[b, 0, 3] = DEGREE * k * k * k * t[MODEL_3.b2]
+        drift[b, 0, 4] = t[MODEL_3.f1]
         drift[b, 1, 0] = drift[b, 2, 1] = 1.0
-        drift[b, 1, 1] = -k * t[0]
-        drift[b, 1, 2] = -k * k * t[1]
-        drift[b, 1, 3] = DEGREE * k * k * t[3]
-        drift[b, 1, 4] = t[6]
-        noise[b, 0, 0], noise[b, 1, 1] = magnitude(t[8]), magnitude(t[9])
-        noise[b, 0, 1] = noise[b, 1, 0] = _covariance(t[8], t[9], t[10])
-        readings[0] = t[7]
-        readings[1], readings[2], readings[3] = t[11], t[12], t[13]
+        drift[b, 1, 1] = -k * t[MODEL_3.a1]
+        drift[b, 1, 2] = -k * k * t[MODEL_3.a2]
+        drift[b, 1, 3] = DEGREE * k * k * t[MODEL_3.b1]
+        drift[b, 1, 4] = t[MODEL_3.f2]
+        noise[b, 0, 0], noise[b, 1, 1] = magnitude(t[MODEL_3.R1_1]), magnitude(t[MODEL_3.R1_2])
+        noise[b, 0, 1] = noise[b, 1, 0] = _covariance(
+            t[MODEL_3.R1_1], t[MODEL_3.R1_2], t[MODEL_3.R1_12]
+        )
+        readings[YAW.r_0] = t[MODEL_3.r_0]
+        readings[YAW.R2_r], readings[YAW.R2_psi], readings[YAW.R2_rpsi] = (
+            t[MODEL_3.R2_r],
+            t[MODEL_3.R2_psi],
+            t[MODEL_3.R2_rpsi],
+        )
         _yaw_outputs(readings, ship, drift[b], noise[b])
-        start[b, 0, 0] = t[14]
-        start[b, 1, 0], start[b, 2, 0] = DEGREE * t[15], DEGREE * t[16]
-        _start_variances(t[17:23], start[b])
-        lag[b] = _lag(t[23], ship[T])
+        start[b, 0, 0] = t[MODEL_3.x1_0]
+        start[b, 1, 0], start[b, 2, 0] = DEGREE * t[MODEL_3.x2_0], DEGREE * t[MODEL_3.x3_0]
+        _start_variances(t[MODEL_3.P11 : MODEL_3.lag], start[b])
+        lag[b] = _lag(t[MODEL_3.lag], ship[T])
 
 
 @kernel
@@ -218,21 +259,25 @@ def nomoto(
     readings = np.empty(4, drift.dtype)
     for b in range(theta.shape[0]):
         t = theta[b]
-        drift[b, 0, 1] = -t[1]
+        drift[b, 0, 1] = -t[NOMOTO_2.a2]
         drift[b, 1, 0] = drift[b, 2, 1] = 1.0
-        drift[b, 1, 1] = -t[0]
-        drift[b, 0, 3] = DEGREE * t[3]
-        drift[b, 1, 3] = DEGREE * t[2]
-        drift[b, 0, 4] = -drift[b, 0, 3] * t[4]
-        drift[b, 1, 4] = -drift[b, 1, 3] * t[4]
-        noise[b, 0, 0], noise[b, 1, 1] = magnitude(t[6]), magnitude(t[7])
-        readings[0] = t[5]
-        readings[1], readings[2], readings[3] = t[8], t[9], 0.0
+        drift[b, 1, 1] = -t[NOMOTO_2.a1]
+        drift[b, 0, 3] = DEGREE * t[NOMOTO_2.b2]
+        drift[b, 1, 3] = DEGREE * t[NOMOTO_2.b1]
+        drift[b, 0, 4] = -drift[b, 0, 3] * t[NOMOTO_2.delta_0]
+        drift[b, 1, 4] = -drift[b, 1, 3] * t[NOMOTO_2.delta_0]
+        noise[b, 0, 0], noise[b, 1, 1] = magnitude(t[NOMOTO_2.R1_1]), magnitude(t[NOMOTO_2.R1_2])
+        readings[YAW.r_0] = t[NOMOTO_2.r_0]
+        readings[YAW.R2_r], readings[YAW.R2_psi], readings[YAW.R2_rpsi] = (
+            t[NOMOTO_2.R2_r],
+            t[NOMOTO_2.R2_psi],
+            0.0,
+        )
         _yaw_outputs(readings, ship, drift[b], noise[b])
         for i in range(3):
-            start[b, i, 0] = DEGREE * t[10 + i]
-            start[b, i, 1 + i] = magnitude(t[13 + i])
-        lag[b] = _lag(t[16], ship[T])
+            start[b, i, 0] = DEGREE * t[NOMOTO_2.x1_0 + i]
+            start[b, i, 1 + i] = magnitude(t[NOMOTO_2.P11 + i])
+        lag[b] = _lag(t[NOMOTO_2.lag], ship[T])
 
 
 @kernel
@@ -247,17 +292,17 @@ def nomoto_first(
     """Write the blocks of Nomoto's first-order model K/(1 + T s), 12 parameters (MI 3.3)."""
     for b in range(theta.shape[0]):
         t = theta[b]
-        drift[b, 0, 0] = -1.0 / t[1]
-        drift[b, 0, 2] = DEGREE * t[0] / t[1]
-        drift[b, 0, 3] = -drift[b, 0, 2] * t[2]
+        drift[b, 0, 0] = -1.0 / t[NOMOTO_1.T]
+        drift[b, 0, 2] = DEGREE * t[NOMOTO_1.K] / t[NOMOTO_1.T]
+        drift[b, 0, 3] = -drift[b, 0, 2] * t[NOMOTO_1.delta_0]
         drift[b, 1, 0] = 1.0
-        noise[b, 0, 0] = magnitude(t[4])
-        for row in range(2, drift.shape[1]):
-            rate = int(ship[OUTPUTS + row - 2]) == RATE
+        noise[b, 0, 0] = magnitude(t[NOMOTO_1.R1_r])
+        for row in range(FEWER_STATES, drift.shape[1]):
+            rate = int(ship[OUTPUTS + row - FEWER_STATES]) == RATE
             drift[b, row, 0 if rate else 1] = 1.0 / DEGREE
-            drift[b, row, 3] = t[3] if rate else 0.0
-            noise[b, row, row] = magnitude(t[5 if rate else 6])
+            drift[b, row, 3] = t[NOMOTO_1.r_0] if rate else 0.0
+            noise[b, row, row] = magnitude(t[NOMOTO_1.R2_r if rate else NOMOTO_1.R2_psi])
         for i in range(2):
-            start[b, i, 0] = DEGREE * t[7 + i]
-            start[b, i, 1 + i] = magnitude(t[9 + i])
-        lag[b] = _lag(t[11], ship[T])
+            start[b, i, 0] = DEGREE * t[NOMOTO_1.x1_0 + i]
+            start[b, i, 1 + i] = magnitude(t[NOMOTO_1.P11 + i])
+        lag[b] = _lag(t[NOMOTO_1.lag], ship[T])

@@ -1,9 +1,28 @@
 """Derivatives of a ship's forces by its state and its coefficients."""
 
-from trainer.boat.ship.forces import AXES, ROLL_RATE, Driven, Terms, Units, in_units, states_of
-from trainer.boat.ship.forward_numbers import FIRST, second_place
+from typing import NamedTuple
+
+from trainer.boat.ship.forces import (
+    AXES,
+    PLACE,
+    ROLL_RATE,
+    ROW,
+    Driven,
+    Terms,
+    Units,
+    in_units,
+    states_of,
+)
+from trainer.boat.ship.forward_numbers import FIRST, SLOPES, VALUE, second_place
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import lean, part
+
+
+class Accelerations(NamedTuple):
+    """The accelerations as forward numbers, and what they are made from."""
+
+    table: Numbers  # of the terms
+    rates: Numbers
 
 
 @lean
@@ -12,9 +31,9 @@ def set_jacobian(driven: Driven, rates: Numbers, A: Numbers) -> None:
     A[:] = 0.0
     for e in range(len(driven)):
         for i in range(3):
-            A[driven[e], i] = rates[e, 1 + i]
+            A[driven[e], i] = rates[e, SLOPES + i]
         for i in range(ROLL_RATE, states_of(driven)):
-            A[driven[e], i] = rates[AXES * (i - 3) + e, 0]
+            A[driven[e], i] = rates[AXES * (i - 3) + e, VALUE]
     for i in range(3, states_of(driven), 2):
         A[i, i - 1] = 1.0
 
@@ -27,14 +46,15 @@ def _factor_slopes(table: Numbers, place: int, row: int, units: Units, out: Numb
         out[axis, i] = in_units(table[row, i], place, units)
     if place >= AXES:
         by = place // AXES - 1
-        out[axis, ROLL_RATE + by] = out[axis, 0]
+        out[axis, ROLL_RATE + by] = out[axis, VALUE]
+        heel = units.roll_rate if by == 0 else units.roll
         for i in range(4):
-            out[axis, i] *= units[2 + by]
+            out[axis, i] *= heel
 
 
 @part
 def coefficient_slopes(
-    work: tuple[Numbers, Numbers],
+    accelerations: Accelerations,
     terms: Terms,
     driven: Driven,
     units: Units,
@@ -44,20 +64,20 @@ def coefficient_slopes(
     """Write d/d(coefficient) of the accelerations, and of their derivatives by u, v, r.
 
     ``out`` is (3, 4) or more; with roll (4, 6), where the last two are by roll rate and roll.
-    ``work`` is the table and the accelerations; ``which`` counts the factors of the terms first,
-    then the nonlinear coefficients.
+    ``which`` counts the factors of the terms first, then the nonlinear coefficients.
     """
-    rates, direction = work[1], 3 + which - terms.shape[0]
+    rates, direction = accelerations.rates, 3 + which - terms.shape[0]
     for e in range(len(driven)):
         for i in range(states_of(driven)):
             out[e, i] = 0.0
     if direction < 3:
-        _factor_slopes(work[0], terms[which, 0], terms[which, 1], units, out)
+        place, row = terms[which, PLACE], terms[which, ROW]
+        _factor_slopes(accelerations.table, place, row, units, out)
         return
     for e in range(len(driven)):
-        out[e, 0] = rates[e, 1 + direction]
+        out[e, VALUE] = rates[e, SLOPES + direction]
         if rates.shape[1] > FIRST:
             for i in range(3):
-                out[e, 1 + i] = rates[e, second_place(i, direction)]
+                out[e, SLOPES + i] = rates[e, second_place(i, direction)]
         for i in range(ROLL_RATE, states_of(driven)):
-            out[e, i] = rates[AXES * (i - 3) + e, 1 + direction]
+            out[e, i] = rates[AXES * (i - 3) + e, SLOPES + direction]

@@ -8,8 +8,14 @@ import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
+from trainer.identify.kernels.covariance_filter import SampledSystem
 from trainer.identify.kernels.kernel import Entries
-from trainer.identify.kernels.sampling import Complexes, sample_blocks
+from trainer.identify.kernels.sampling import (
+    Complexes,
+    ContinuousBlocks,
+    SampledBlocks,
+    sample_blocks,
+)
 from trainer.identify.model.models import Blocks
 
 STEP: Final = 1e-100  # imaginary part that carries a derivative without rounding
@@ -37,25 +43,25 @@ class Sampled:
     start: Entries  # (b, x, 1+x)
     gain: Entries | None = None  # (b, x, y) of a predictor, where the model gives it
 
-    def at(self, row: int) -> tuple[Numbers, Numbers, Numbers]:
+    def at(self, row: int) -> SampledSystem:
         """Return mean, noise and start of one row, real."""
         parts = (self.mean[row], self.noise[row], self.start[row])
         mean, noise, start = (np.ascontiguousarray(part.real) for part in parts)
-        return mean, noise, start
+        return SampledSystem(mean, noise, start)
 
     def as_complex(self) -> "Sampled":
         """Return the same numbers, complex: kernels of predictors take no others."""
         parts = (self.mean, self.noise, self.start, self.gain)
         return Sampled(*(None if x is None else x.astype(complex, copy=False) for x in parts))  # type: ignore[arg-type]
 
-    def slopes(self) -> tuple[Numbers, Numbers, Numbers]:
+    def slopes(self) -> SampledSystem:
         """Return the derivatives of mean, noise and start, parameters last, from rows 1 on.
 
         Zeros fill up to a whole number of LANES: loops over parameters then have no rest.
         """
         parts = (self.mean[1:], self.noise[1:], self.start[1:])
         mean, noise, start = (_filled(np.moveaxis(part.imag, 0, -1) / STEP) for part in parts)
-        return mean, noise, start
+        return SampledSystem(mean, noise, start)
 
 
 def _filled(slopes: Numbers) -> Numbers:
@@ -84,8 +90,7 @@ def sample(blocks: Blocks, intervals: Numbers, sampling: str) -> Sampled:
         mean[..., states + inputs :] = blocks.drift[:, None, :, states:]
         noise[:] = blocks.noise[:, None]
     else:
-        parts = blocks.drift, blocks.noise, blocks.lag
-        sample_blocks(
-            parts, intervals, rows if sampling == "integrating" else states, (mean, noise)
-        )
+        parts = ContinuousBlocks(blocks.drift, blocks.noise, blocks.lag)
+        moving = rows if sampling == "integrating" else states
+        sample_blocks(parts, intervals, moving, SampledBlocks(mean, noise))
     return Sampled(mean, noise, blocks.start, blocks.gain)

@@ -75,7 +75,7 @@ class Problem:
     def system(self, a: Numbers, first: Numbers) -> System:
         """Return what the kernels take as a system that begins with the state ``first``."""
         values = np.concatenate([self.model.whole(self.coefficients(a)), self.noise(a), first])
-        return self.constants, self._terms, values, self._places, self.model.driven
+        return System(self.constants, self._terms, values, self._places, self.model.driven)
 
     def penalty(self, a: Numbers) -> float:
         """Return what the prior adds to -log L."""

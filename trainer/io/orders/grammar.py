@@ -88,7 +88,8 @@ class Order:
     is the full wording, which reads back as the same order; `numbers` are all that were
     given, in SI and unsigned, and `subject` is the name given. A token given with a role is the
     `subject` too, and never in `text`. `crew` is what a phrase means from who orders the crew,
-    where that is another order.
+    where that is another order. `side` is -1 for left or dive, 1 for right or rise, 0 for neither;
+    `unit` is that of the last number.
     """
 
     name: str
@@ -98,6 +99,8 @@ class Order:
     numbers: tuple[float, ...] = ()
     subject: str = field(default="", repr=False)  # no token in a traceback
     crew: str = field(default="", compare=False)
+    side: float = field(default=0.0, compare=False)
+    unit: Unit | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -164,6 +167,12 @@ def parse(line: str) -> Order | BadOrder | None:
         return with_token(understood(tokens), hidden(words)) if tokens else None
     except RefusedError as refused:
         return BadOrder(printable(text), str(refused))
+
+
+def name_of(text: str) -> str:
+    """Return the name of the order that words are, "" for none of this version."""
+    understood_as = parse(text)
+    return understood_as.name if isinstance(understood_as, Order) else ""
 
 
 def planned(said: re.Match[str]) -> Order:
@@ -361,10 +370,12 @@ def order(reading: Reading) -> Order:
     head = heading_word(form)
     optional = [item.strip("[]") for item in form.pattern.split()[1:] if item.startswith("[")]
     sign, text, words, rest, subject = 1.0, [head, *optional], [], [], ""
+    side, unit = 0.0, None
     numbers: list[float] = []
     for i, (place, token) in enumerate(zip(places, said, strict=True)):
         if isinstance(place, Number):
-            value, wording = quantity(place, token.word, unit_after(place, said[i + 1 :]))
+            unit = unit_after(place, said[i + 1 :])
+            value, wording = quantity(place, token.word, unit)
             numbers.append(value)
             rest.append(wording)
         elif isinstance(place, Name):
@@ -373,16 +384,19 @@ def order(reading: Reading) -> Order:
         elif isinstance(place, UnitWord | Secret) or token.word in (optional if i else [head]):
             continue
         elif token.word in SIGNS and head != CREW:
-            sign = SIGNS[token.word]
+            sign = side = SIGNS[token.word]
             text.append(token.word)
         else:
+            side = SIGNS.get(token.word, side)
             words.append(token.word)
             rest.append(token.word)
     word = "_".join(words).replace("-", "_")
     # Adding zero turns -0.0 into 0.0, so that "left 0" and "right 0" steer alike.
     value = sign * (numbers[-1] if numbers else form.value) + 0.0
     whole = " ".join((*text, *rest))
-    return Order(form.name or head, value, word, whole, tuple(numbers), subject)
+    return Order(
+        form.name or head, value, word, whole, tuple(numbers), subject, side=side, unit=unit
+    )
 
 
 def unit_after(number: Number, rest: tuple[Said, ...]) -> Unit:

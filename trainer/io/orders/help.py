@@ -3,7 +3,7 @@
 import difflib
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import LONGEST
@@ -26,7 +26,7 @@ SESSION_IS = "time, moments and stations"
 
 INTRODUCTION = f"""# Orders
 
-<!-- Made by trainer.io.orders.help.page() of the table beside it; a test compares them. -->
+<!-- Made of the tables of trainer/io/orders and trainer/session/dispatch; a test compares them. -->
 
 After this page you can give any order, in full, cut short, or as it is said in a control room.
 
@@ -164,18 +164,18 @@ def synonyms(patterns: list[str]) -> list[str]:
     return list(found.values())
 
 
-def page() -> str:
-    """Return docs/orders.md."""
+def page(obeyed_by: Mapping[str, str]) -> str:
+    """Return docs/orders.md; ``obeyed_by`` says of each order word who obeys it."""
     escaped = [
-        (usage(form).replace("|", "\\|"), form.name or heading_word(form), form.says)
+        (usage(form).replace("|", "\\|"), name, obeyed_by[name], form.says)
         for form in FORMS
-        if not form.refusal
+        if not form.refusal and (name := form.name or heading_word(form))
     ]
     refused = [(usage(form).replace("|", "\\|"), form.refusal) for form in FORMS if form.refusal]
     return "\n".join(
         [
             INTRODUCTION,
-            *table(("wording", "order", "what it does"), escaped),
+            *table(("wording", "order", "obeyed by", "what it does"), escaped),
             "## Numbers\n",
             *table(
                 ("in the table", "is"), [(name, limits_and_units(n)) for name, n in NUMBERS.items()]

@@ -77,6 +77,15 @@ BOAT_ORDERS = frozenset(
 # What is said between those who order the crew, the crew and the instructor: journalled as well.
 CREW_TALK = frozenset(("order", "tell", "report", "aye", "belay", "allow"))
 PLANNABLE = BOAT_ORDERS | {"tell", "freeze"}  # for a time or a condition
+# No schedule holds them: they answer whoever asks, or are a person's to say or to decide.
+UNSCHEDULED = frozenset(
+    (
+        *("help", "status", "briefing", "casualties", "plans", "log", "who", "history"),
+        *("branches", "snapshots", "mark", "ack", "role", "name", "subscribe", "unsubscribe"),
+        *("detach", "aye", "belay", "allow", "plan", "cancel", "again", "restart", "branch"),
+        *("end", "release-marks", "debrief", "next", "ready", "command", "give", "keep"),
+    )
+)
 
 
 @dataclass(frozen=True)

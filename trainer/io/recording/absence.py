@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
+from trainer.io.recording.facts import NO_CREW_FACT, CrewFact, Giver
 from trainer.io.recording.queries import Branch, Journalled, Moment, Noted
 
 
@@ -19,12 +20,18 @@ class NoRecording:
         self.branch = 1
         self._order = 0
 
-    def order(self, _tick: int, _who: str, _text: str, _place: int | None = None) -> int:
+    def order(self, _tick: int, _giver: Giver, _text: str, _place: int | None = None) -> int:
         """Drop an order; return its number."""
         self._order += 1
         return self._order
 
-    def answered(self, _order: int, _answer: str, _accepted: bool) -> None:  # noqa: FBT001
+    def answered(
+        self,
+        _order: int,
+        _answer: str,
+        _accepted: bool,  # noqa: FBT001
+        _crew: CrewFact = NO_CREW_FACT,
+    ) -> None:
         """Drop it."""
 
     def state(self, _tick: int, _state: bytes) -> None:
@@ -33,7 +40,7 @@ class NoRecording:
     def timing(self, _tick: int, _lateness: int, _work: int) -> None:
         """Drop it."""
 
-    def event(self, _tick: int, _kind: str, _who: str, _text: str) -> None:
+    def event(self, _tick: int, _kind: str, _who: str, _text: str, _role: str = "") -> None:
         """Drop it."""
 
     def snapshot(self, _name: str, _moment: Moment) -> None:
@@ -89,16 +96,24 @@ class OrdersAlone(NoRecording):
         super().__init__()
         self._orders: list[Journalled] = []
 
-    def order(self, tick: int, who: str, text: str, place: int | None = None) -> int:
+    def order(self, tick: int, giver: Giver, text: str, place: int | None = None) -> int:
         """Keep an order; return its number."""
-        number = super().order(tick, who, text, place)
-        self._orders.append(Journalled(number, self.branch, tick, who, text, place, None, ""))
+        number = super().order(tick, giver, text, place)
+        self._orders.append(Journalled(number, self.branch, tick, giver, text, place, None, ""))
         return number
 
-    def answered(self, order: int, answer: str, accepted: bool) -> None:  # noqa: FBT001
+    def answered(
+        self,
+        order: int,
+        answer: str,
+        accepted: bool,  # noqa: FBT001
+        crew: CrewFact = NO_CREW_FACT,
+    ) -> None:
         """Keep what became of the latest order."""
         if self._orders and self._orders[-1].id == order:
-            self._orders[-1] = replace(self._orders[-1], accepted=accepted, answer=answer)
+            self._orders[-1] = replace(
+                self._orders[-1], accepted=accepted, answer=answer, crew=crew
+            )
 
     def fork(self, moment: Moment, why: str) -> int:
         """Forget the orders after a moment; return the number of the branch that begins."""

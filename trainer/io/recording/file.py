@@ -17,45 +17,52 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-FORMAT: Final = 1  # raised when older programs can no longer read what newer ones write
+from trainer.io.recording import format_1
+from trainer.io.recording.facts import BranchCause
+
+FORMAT: Final = 2  # raised when older programs can no longer read what newer ones write
 APPLICATION: Final = 0x74726E72  # "trnr": what `file` and SQLite's tools know a recording by
 PATIENCE: Final = 2.0  # [s] for another program that holds the file for a moment
 LONGEST_NAME: Final = 60  # [characters] that are shown of a file's own
 
+# Tables that format 1 had with fewer columns
+CHANGED_TABLES: Final = """CREATE TABLE branches (
+    id INTEGER PRIMARY KEY, parent INTEGER REFERENCES branches, tick INTEGER NOT NULL,
+    after INTEGER NOT NULL, place INTEGER NOT NULL, why TEXT NOT NULL, state BLOB NOT NULL,
+    wall TEXT NOT NULL, cause TEXT NOT NULL
+);
+CREATE TABLE orders (
+    id INTEGER PRIMARY KEY, branch INTEGER NOT NULL, tick INTEGER NOT NULL, who TEXT NOT NULL,
+    text TEXT NOT NULL, place INTEGER, accepted INTEGER, answer TEXT NOT NULL DEFAULT '',
+    wall TEXT NOT NULL, giver TEXT NOT NULL, role TEXT NOT NULL, plan INTEGER NOT NULL,
+    crew_news TEXT NOT NULL DEFAULT '', crew_order TEXT NOT NULL DEFAULT ''
+);
+CREATE INDEX orders_by_tick ON orders (branch, tick, place);
+CREATE TABLE events (
+    id INTEGER PRIMARY KEY, branch INTEGER NOT NULL, tick INTEGER NOT NULL, kind TEXT NOT NULL,
+    who TEXT NOT NULL, text TEXT NOT NULL, wall TEXT NOT NULL, role TEXT NOT NULL
+);
+"""
 SCHEMA: Final = f"""
 PRAGMA page_size = 8192;
 PRAGMA application_id = {APPLICATION};
 PRAGMA user_version = {FORMAT};
 BEGIN;
 CREATE TABLE header (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
-CREATE TABLE branches (
-    id INTEGER PRIMARY KEY, parent INTEGER REFERENCES branches, tick INTEGER NOT NULL,
-    after INTEGER NOT NULL, place INTEGER NOT NULL, why TEXT NOT NULL, state BLOB NOT NULL,
-    wall TEXT NOT NULL
-);
-CREATE TABLE orders (
-    id INTEGER PRIMARY KEY, branch INTEGER NOT NULL, tick INTEGER NOT NULL, who TEXT NOT NULL,
-    text TEXT NOT NULL, place INTEGER, accepted INTEGER, answer TEXT NOT NULL DEFAULT '',
-    wall TEXT NOT NULL
-);
-CREATE INDEX orders_by_tick ON orders (branch, tick, place);
-CREATE TABLE states (
+{CHANGED_TABLES}CREATE TABLE states (
     branch INTEGER NOT NULL, tick INTEGER NOT NULL, state BLOB NOT NULL, UNIQUE (branch, tick)
 );
 CREATE TABLE ledger (
     branch INTEGER NOT NULL, tick INTEGER NOT NULL, lateness_ns INTEGER NOT NULL,
     work_ns INTEGER NOT NULL, PRIMARY KEY (branch, tick)
 ) WITHOUT ROWID;
-CREATE TABLE events (
-    id INTEGER PRIMARY KEY, branch INTEGER NOT NULL, tick INTEGER NOT NULL, kind TEXT NOT NULL,
-    who TEXT NOT NULL, text TEXT NOT NULL, wall TEXT NOT NULL
-);
 CREATE TABLE snapshots (
     id INTEGER PRIMARY KEY, name TEXT NOT NULL, branch INTEGER NOT NULL, tick INTEGER NOT NULL,
     state BLOB NOT NULL, after INTEGER NOT NULL, place INTEGER NOT NULL, wall TEXT NOT NULL
 );
 COMMIT;
 """
+FORMATS: Final = {1: SCHEMA.replace(CHANGED_TABLES, format_1.TABLES), FORMAT: SCHEMA}
 TOUCH: Final = f"PRAGMA user_version = {FORMAT}"  # the least that is a write
 
 # A file may be anybody's: what SQLite may do for it, and how much. Names and numbers of SQLite's.
@@ -86,7 +93,7 @@ REMARKS: Final = {  # texts that people have written, by the question that finds
     ),
 }
 ANSWERS: Final = (
-    "SELECT id, answer FROM orders "
+    "SELECT id, answer, crew_order FROM orders "
     "WHERE text LIKE 'mark %' OR text LIKE 'tell %' OR text LIKE 'report %'"
 )
 
@@ -181,11 +188,13 @@ def reopen(path: Path) -> sqlite3.Connection:
         try:
             connection = connect(path, "mode=rw")
             unless_good.callback(connection.close)
-            _recognise(connection, path)
+            version = _recognise(connection, path)
             connection.execute("PRAGMA synchronous = NORMAL")
             connection.execute("PRAGMA wal_autocheckpoint = 0")
             connection.execute("PRAGMA journal_size_limit = 0")
-            _claim(connection, path)
+            _claim(connection, path, version)
+            if version < FORMAT:
+                format_1.upgrade(connection, CHANGED_TABLES)
             connection.execute("PRAGMA busy_timeout = 0")  # who writes waits in its own way
         except sqlite3.OperationalError as error:
             raise RecordingError(f"{path} cannot be written: {error}") from None
@@ -219,8 +228,9 @@ def _fill(connection: sqlite3.Connection, header: Mapping[str, str], state: byte
     connection.executescript(SCHEMA)
     connection.execute("BEGIN")
     connection.executemany("INSERT INTO header VALUES (?, ?)", header.items())
-    first = (1, None, 0, 0, 0, "the start", state, wall_time())
-    connection.execute("INSERT INTO branches VALUES (?, ?, ?, ?, ?, ?, ?, ?)", first)
+    cause = BranchCause.START.value
+    first = (1, None, 0, 0, 0, "the start", state, wall_time(), cause)
+    connection.execute("INSERT INTO branches VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", first)
     connection.execute("COMMIT")
 
 
@@ -267,23 +277,24 @@ def _find(path: Path) -> None:
         raise RecordingError(f"{path} cannot be opened: you have no right to read it")
 
 
-def _recognise(connection: sqlite3.Connection, path: Path) -> None:
-    """Raise RecordingError unless it is a recording of a format that this program knows."""
+def _recognise(connection: sqlite3.Connection, path: Path) -> int:
+    """Return the format of a recording; RecordingError unless this program knows it."""
     (application,) = connection.execute("PRAGMA application_id").fetchone()
     (version,) = connection.execute("PRAGMA user_version").fetchone()
     if application != APPLICATION:
         raise RecordingError(f"{path} is not a recording: it is another program's database")
-    if version != FORMAT:
+    if version not in FORMATS:
         raise RecordingError(
             f"{path} is a recording of format {version}, and this trainer knows format {FORMAT}; "
             "use the version of the trainer that made it, or a newer one"
         )
     found = _schema(connection)
-    for kind, name, _, _ in sorted(found ^ _own_schema(), key=str)[:1]:
+    for kind, name, _, _ in sorted(found ^ _own_schema(version), key=str)[:1]:
         raise RecordingError(
             f"{path} is damaged, or made to do harm: its {kind} {name[:LONGEST_NAME]!r} is not "
             "as in a recording; nothing of it is used"
         )
+    return int(version)
 
 
 def _schema(connection: sqlite3.Connection) -> frozenset[tuple[str, str, str, str | None]]:
@@ -293,10 +304,10 @@ def _schema(connection: sqlite3.Connection) -> frozenset[tuple[str, str, str, st
 
 
 @cache
-def _own_schema() -> frozenset[tuple[str, str, str, str | None]]:
-    """Return what a recording is made of."""
+def _own_schema(version: int) -> frozenset[tuple[str, str, str, str | None]]:
+    """Return what a recording of a format is made of."""
     with contextlib.closing(sqlite3.connect(":memory:", isolation_level=None)) as empty:
-        empty.executescript(SCHEMA)
+        empty.executescript(FORMATS[version])
         return _schema(empty)
 
 
@@ -310,17 +321,18 @@ def _readable(connection: sqlite3.Connection, path: Path) -> sqlite3.Connection:
     return connection
 
 
-def _claim(connection: sqlite3.Connection, path: Path) -> None:
+def _claim(connection: sqlite3.Connection, path: Path, version: int) -> None:
     """Make sure that nobody else has the file open.
 
     Every connection holds a shared lock on it while it lives, even if its program is busy with
     other things: only the sole one can get the exclusive lock, which then is made a shared one.
     """
+    touch = f"PRAGMA user_version = {version}"
     try:
         connection.execute("PRAGMA locking_mode = EXCLUSIVE")
-        connection.execute(TOUCH)
+        connection.execute(touch)
         connection.execute("PRAGMA locking_mode = NORMAL")
-        connection.execute(TOUCH)
+        connection.execute(touch)
     except sqlite3.OperationalError as error:
         if error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY:
             raise
@@ -378,6 +390,9 @@ def _remarks(connection: sqlite3.Connection, without: Callable[[str], str]) -> i
             if (new := without(text)) != text:
                 connection.execute(f"UPDATE {table} SET text = ? WHERE id = ?", (new, number))  # noqa: S608 our own names
                 changed += table == "events"
-    for number, text in connection.execute(ANSWERS).fetchall():
-        connection.execute("UPDATE orders SET answer = ? WHERE id = ?", (without(text), number))
+    for number, *texts in connection.execute(ANSWERS).fetchall():
+        changed_texts = (*map(without, texts), number)
+        connection.execute(
+            "UPDATE orders SET answer = ?, crew_order = ? WHERE id = ?", changed_texts
+        )
     return changed

@@ -9,10 +9,20 @@ orders of its own tick.
 import sqlite3
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from enum import Enum
 from itertools import islice
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeVar
 
-from trainer.io.recording.file import RecordingError, understanding
+from trainer.io.recording import format_1
+from trainer.io.recording.facts import (
+    NO_CREW_FACT,
+    BranchCause,
+    CrewFact,
+    CrewNews,
+    Giver,
+    GiverKind,
+)
+from trainer.io.recording.file import FORMAT, RecordingError, understanding
 
 ENDLESS: Final = 2**62  # beyond any tick or order
 LEEWAY: Final = 1000  # [ticks] that an order may be beyond the last state of its branch
@@ -23,6 +33,13 @@ MAX_EVENTS_READ: Final = 50_000  # of a file that somebody debriefs or exports
 MAX_ROWS_COUNTED: Final = 2_000_000  # where more are left out than that, it is told as so many
 DAMAGED: Final = "a value is of another kind than is written there"
 Row = tuple[Any, ...]
+E = TypeVar("E", bound=Enum)
+BRANCH_COLUMNS: Final = "id, parent, tick, after, place, why, state"
+BRANCH_WIDTH: Final = 7
+ORDER_COLUMNS: Final = "id, branch, tick, who, text, place AS scheduled, accepted, answer"
+CREW_COLUMNS: Final = ", giver, role, plan, crew_news, crew_order"
+EVENT_COLUMNS: Final = "branch, tick, kind, who, text, wall"
+EVENT_WIDTH: Final = 6
 
 
 class Kind(NamedTuple):
@@ -52,9 +69,10 @@ KINDS: Final[Mapping[str, Kind]] = {
     **dict.fromkeys(("id", "branch", "tick", "after", "last"), COUNT),
     **dict.fromkeys(("parent", "latest"), COUNT._replace(perhaps=True)),
     **dict.fromkeys(("key", "name", "who", "text", "answer", "kind", "why", "wall"), TEXT),
+    **dict.fromkeys(("cause", "giver", "role", "crew_news", "crew_order"), TEXT),
     **dict.fromkeys(("scheduled", "done"), PLACE._replace(perhaps=True)),
     **dict.fromkeys(("lateness_ns", "work_ns"), TIME),
-    "place": PLACE,
+    **dict.fromkeys(("place", "plan", "user_version"), PLACE),
     "accepted": Kind(int, 0, 1, perhaps=True),
     "value": Kind(str, 0, LARGEST),
     "state": Kind(bytes, 0, 65_536),
@@ -79,11 +97,17 @@ class Journalled:
     id: int
     branch: int
     tick: int
-    who: str
+    giver: Giver
     text: str
     place: int | None  # in the schedule; None when somebody gave it
     accepted: bool | None  # None when the program ended before the answer was written
     answer: str
+    crew: CrewFact = NO_CREW_FACT
+
+    @property
+    def who(self) -> str:
+        """Return who gave it, for people."""
+        return self.giver.words
 
 
 @dataclass(frozen=True)
@@ -97,6 +121,7 @@ class Branch:
     place: int
     why: str
     state: bytes
+    cause: BranchCause = BranchCause.JUMP
 
 
 @dataclass(frozen=True)
@@ -109,6 +134,7 @@ class Noted:
     who: str
     text: str
     wall: str  # time of day, UTC
+    role: str = ""  # of who said it
 
 
 @dataclass(frozen=True)
@@ -141,6 +167,11 @@ class Past:
     def __init__(self, connection: sqlite3.Connection, name: str) -> None:
         self._connection = connection
         self._name = name
+        (version,) = connection.execute("PRAGMA user_version").fetchone()
+        now = int(version) == FORMAT  # or words alone
+        self._branch_columns = BRANCH_COLUMNS + (", cause" if now else "")
+        self._order_columns = ORDER_COLUMNS + (CREW_COLUMNS if now else "")
+        self._event_columns = EVENT_COLUMNS + (", role" if now else "")
 
     def header(self) -> dict[str, str]:
         """Return what was written when the recording was made."""
@@ -148,7 +179,7 @@ class Past:
 
     def branches(self) -> list[Branch]:
         """Return all branches, oldest first."""
-        found = "SELECT id, parent, tick, after, place, why, state FROM branches ORDER BY id"
+        found = f"SELECT {self._branch_columns} FROM branches ORDER BY id"  # noqa: S608 our own
         branches = [self._begun(row) for row in self._all(found)]
         if not branches:
             raise self._damaged("it has no branch")
@@ -200,7 +231,7 @@ class Past:
     def orders(self, branch: int, after: int = 0) -> list[Journalled]:
         """Return the orders after number `after` that a branch includes, in order."""
         found = (
-            "SELECT id, branch, tick, who, text, place AS scheduled, accepted, answer FROM orders "
+            f"SELECT {self._order_columns} FROM orders "  # noqa: S608 our own
             "WHERE branch = ? AND id > ? AND id <= ? ORDER BY id"
         )
         stretches: list[list[Journalled]] = []
@@ -255,8 +286,10 @@ class Past:
 
     def events(self) -> Iterator[Noted]:
         """Yield what was noted, in order."""
-        for row in self._rows("SELECT branch, tick, kind, who, text, wall FROM events ORDER BY id"):
-            yield Noted(*row)
+        found = f"SELECT {self._event_columns} FROM events ORDER BY id"  # noqa: S608 our own
+        for row in self._rows(found):
+            role = row[EVENT_WIDTH] if len(row) > EVENT_WIDTH else format_1.giver_of(row[3]).role
+            yield Noted(*(*row[:EVENT_WIDTH], role))
 
     def first_events(self) -> Iterator[Noted]:
         """Yield what was noted, in order, as far as a file is read."""
@@ -310,13 +343,18 @@ class Past:
         return found
 
     def _find(self, branch: int) -> Branch | None:
-        found = "SELECT id, parent, tick, after, place, why, state FROM branches WHERE id = ?"
+        found = f"SELECT {self._branch_columns} FROM branches WHERE id = ?"  # noqa: S608 our own
         row = self._row(found, branch)
         return self._begun(row) if row else None
 
     def _begun(self, row: Row) -> Branch:
         """Return a branch; RecordingError if it begins in itself or a later one."""
-        branch = Branch(*row)
+        _, parent, *_, why, _ = row[:BRANCH_WIDTH]
+        if len(row) > BRANCH_WIDTH:
+            cause = self._value_of(BranchCause, row[BRANCH_WIDTH])
+        else:
+            cause = format_1.cause_of(parent, why)
+        branch = Branch(*(*row[:BRANCH_WIDTH], cause))
         if branch.parent is not None and branch.parent >= branch.id:
             raise self._damaged(f"branch {branch.id} begins in a later one")
         return branch
@@ -357,7 +395,7 @@ class Past:
     def _journalled(self, branch: Branch, rows: list[Row]) -> list[Journalled]:
         """Return orders of a branch; RecordingError for one where nothing was flown."""
         last = self.last_tick(branch.id) + LEEWAY
-        orders = [_as_journalled(row) for row in rows]
+        orders = [self._as_journalled(row) for row in rows]
         for order in orders:
             if not branch.tick <= order.tick <= last:
                 raise self._damaged(f"order {order.id} was given at tick {order.tick}")
@@ -366,8 +404,22 @@ class Past:
     def _damaged(self, why: str) -> RecordingError:
         return RecordingError(f"{self._name} is damaged: {why}")
 
+    def _as_journalled(self, row: Row) -> Journalled:
+        """Return an order; RecordingError if it is given by what gives none."""
+        number, branch, tick, who, text, place, accepted, answer, *facts = row
+        known = None if accepted is None else bool(accepted)
+        if facts:
+            kind, role, plan, news, order = facts
+            giver = Giver(self._value_of(GiverKind, kind), role, who, plan)
+            crew = CrewFact(self._value_of(CrewNews, news), order)
+        else:
+            giver = format_1.giver_of(who)
+            crew = format_1.crew_fact_of(text, answer, accepted=known)
+        return Journalled(number, branch, tick, giver, text, place, known, answer, crew)
 
-def _as_journalled(row: tuple[Any, ...]) -> Journalled:
-    number, branch, tick, who, text, place, accepted, answer = row
-    known = None if accepted is None else bool(accepted)
-    return Journalled(number, branch, tick, who, text, place, known, answer)
+    def _value_of(self, kind: type[E], value: str) -> E:
+        """Return a fact by its value; RecordingError if there is none such."""
+        try:
+            return kind(value)
+        except ValueError:
+            raise self._damaged(DAMAGED) from None

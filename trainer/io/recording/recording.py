@@ -21,6 +21,7 @@ from typing import Final
 
 from trainer.io.recording import file
 from trainer.io.recording.checkpoint import BRING_HOME, Checkpointer
+from trainer.io.recording.facts import NO_CREW_FACT, BranchCause, CrewFact, Giver
 from trainer.io.recording.file import FORMAT, TOUCH, RecordingError, wall_time
 from trainer.io.recording.queries import Branch, Flown, Journalled, Moment, Noted, Past
 from trainer.io.recording.queries import Row as Answer
@@ -50,19 +51,24 @@ FLOWN_WITHIN_S: Final = 10.0  # in which all else is: most can be flown again fr
 Row = tuple[int | str | bytes | None, ...]
 
 BRANCH: Final = (
-    "INSERT INTO branches (id, parent, tick, after, place, why, state, wall) "
-    "VALUES (?, ?, ?, ?, ?, ?, ?, ?)"
+    "INSERT INTO branches (id, parent, tick, after, place, why, state, cause, wall) "
+    "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)"
 )
 ORDER: Final = (
-    "INSERT INTO orders (id, branch, tick, who, text, place, wall) VALUES (?, ?, ?, ?, ?, ?, ?)"
+    "INSERT INTO orders (id, branch, tick, who, giver, role, plan, text, place, wall) "
+    "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
 )
-ANSWER: Final = "UPDATE orders SET answer = ?, accepted = ? WHERE id = ?"
+ANSWER: Final = (
+    "UPDATE orders SET answer = ?, accepted = ?, crew_news = ?, crew_order = ? WHERE id = ?"
+)
 # a tick flown again on its own branch is the same tick
 STATE: Final = "INSERT OR IGNORE INTO states (branch, tick, state) VALUES (?, ?, ?)"
 TIMING: Final = (
     "INSERT OR IGNORE INTO ledger (branch, tick, lateness_ns, work_ns) VALUES (?, ?, ?, ?)"
 )
-EVENT: Final = "INSERT INTO events (branch, tick, kind, who, text, wall) VALUES (?, ?, ?, ?, ?, ?)"
+EVENT: Final = (
+    "INSERT INTO events (branch, tick, kind, who, role, text, wall) VALUES (?, ?, ?, ?, ?, ?, ?)"
+)
 SNAPSHOT: Final = (
     "INSERT INTO snapshots (name, branch, tick, state, after, place, wall) "
     "VALUES (?, ?, ?, ?, ?, ?, ?)"
@@ -162,17 +168,24 @@ class Recording(Past):
 
     # Writing
 
-    def order(self, tick: int, who: str, text: str, place: int | None = None) -> int:
+    def order(self, tick: int, giver: Giver, text: str, place: int | None = None) -> int:
         """Write an order that is about to act, at once; return its number."""
         self._order += 1
         self._tick = tick
-        self._put(ORDER, (self._order, self.branch, tick, who, text, place, wall_time()))
+        given = (giver.words, giver.kind.value, giver.role, giver.plan)
+        self._put(ORDER, (self._order, self.branch, tick, *given, text, place, wall_time()))
         self.flush()
         return self._order
 
-    def answered(self, order: int, answer: str, accepted: bool) -> None:  # noqa: FBT001
-        """Take what became of an order."""
-        self._put(ANSWER, (answer, int(accepted), order))
+    def answered(
+        self,
+        order: int,
+        answer: str,
+        accepted: bool,  # noqa: FBT001
+        crew: CrewFact = NO_CREW_FACT,
+    ) -> None:
+        """Take what became of an order, and what it said to the crew."""
+        self._put(ANSWER, (answer, int(accepted), crew.news.value, crew.order, order))
 
     def state(self, tick: int, state: bytes) -> None:
         """Take what stands at the end of a tick. Of a tick taken already the first stands."""
@@ -189,9 +202,9 @@ class Recording(Past):
         if not self._gap:
             self._timings.append((self.branch, tick, lateness, work))
 
-    def event(self, tick: int, kind: str, who: str, text: str) -> None:
-        """Take something that happened; it is given the time of day."""
-        self._put(EVENT, (self.branch, tick, kind, who, text, wall_time()))
+    def event(self, tick: int, kind: str, who: str, text: str, role: str = "") -> None:
+        """Take something that happened; it is given the time of day. ``role`` is who's."""
+        self._put(EVENT, (self.branch, tick, kind, who, role, text, wall_time()))
 
     def snapshot(self, name: str, moment: Moment) -> None:
         """Write a moment under a name, at once."""
@@ -203,9 +216,7 @@ class Recording(Past):
     def fork(self, moment: Moment, why: str) -> int:
         """Begin a new branch at a moment, at once. Return its number, from now on the present."""
         parent = self._owner(moment)
-        begun = (parent, moment.tick, moment.after, moment.place, why, moment.state)
-        self._branches += 1
-        self._put(BRANCH, (self._branches, *begun, wall_time()))
+        self._begin_branch(parent, moment, why, BranchCause.JUMP)
         self.flush()
         self.branch, self._tick = self._branches, moment.tick
         return self.branch
@@ -218,11 +229,15 @@ class Recording(Past):
         self.trouble = ""
         why = f"not recorded after tick {last}: {_counts(self._lost)} lost"
         self._lost = dict.fromkeys(COUNTED, 0)
-        self._branches += 1
-        begun = (parent, moment.tick, moment.after, moment.place, why, moment.state)
-        self._put(BRANCH, (self._branches, *begun, wall_time()))
+        self._begin_branch(parent, moment, why, BranchCause.GAP)
         self.branch, self._tick = self._branches, moment.tick
         self.flush()
+
+    def _begin_branch(self, parent: int, moment: Moment, why: str, cause: BranchCause) -> None:
+        """Put down the next branch, which begins at a moment."""
+        self._branches += 1
+        begun = (parent, moment.tick, moment.after, moment.place, why, moment.state, cause.value)
+        self._put(BRANCH, (self._branches, *begun, wall_time()))
 
     @property
     def behind(self) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import Boat
-from trainer.io.orders.grammar import Refused
+from trainer.io.orders.grammar import Refused, name_of
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import Work
@@ -155,7 +155,7 @@ def recalled(history: History) -> list[News]:
     told += [
         News(each.tick, each.tick * step, "exercise", each.text, Fact("order", each.text))
         for each in orders
-        if each.text.startswith("casualty ") and each.accepted
+        if name_of(each.text) == "casualty" and each.accepted
     ]
     return sorted(told, key=lambda each: each.tick)
 

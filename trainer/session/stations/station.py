@@ -18,6 +18,8 @@ from trainer.io.orders import sentences
 from trainer.io.orders.grammar import BadOrder, Order, Refused, Reply, to_the_crew
 from trainer.io.orders.help import help_text
 from trainer.io.orders.sentences import Heard, hear
+from trainer.io.recording.facts import Giver
+from trainer.io.recording.facts import station as giver_at
 from trainer.session.stations.channels import EVENTS, TELETYPE
 from trainer.session.stations.display import WIDTH
 from trainer.session.stations.roles import (
@@ -52,6 +54,13 @@ class Fact(NamedTuple):
     subject: str = ""
 
 
+class Saying(NamedTuple):
+    """Who has said or done something, a role or ``schedule``, and its words alone."""
+
+    speaker: str
+    words: str
+
+
 class News(NamedTuple):
     """Something that happened; ``kind`` is one of roles.KINDS, and decides who is told."""
 
@@ -60,6 +69,7 @@ class News(NamedTuple):
     kind: str
     text: str  # for people
     fact: Fact | None = None  # for programs
+    saying: Saying | None = None  # for programs, which show the speaker beside the words
 
 
 @dataclass(frozen=True)
@@ -160,7 +170,12 @@ class Station:
     @property
     def who(self) -> str:
         """Return who gives an order here, for the record."""
-        return f"{self.role.name} at {self.line.name}"
+        return self.giver.words
+
+    @property
+    def giver(self) -> Giver:
+        """Return who gives an order here."""
+        return giver_at(self.role.name, self.line.name)
 
     def account(self) -> str:
         """Return what there is to say of the line, for the order ``who``."""
@@ -198,7 +213,12 @@ class Station:
         if not (self.wishes.events and hears(self.role, news.kind)):
             return
         self.note(news)
-        self.line.send(sentences.event(*news[:4]) if self._machine else news.text)
+        if not self._machine:
+            self.line.send(news.text)
+            return
+        if news.saying:
+            self.note(news._replace(fact=Fact("said", ",".join(news.saying))))
+        self.line.send(sentences.event(*news[:4]))
 
     def note(self, news: News) -> None:
         """Tell a program the fact of the news, if there is one."""

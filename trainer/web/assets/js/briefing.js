@@ -1,5 +1,5 @@
 // The briefing: what the exercise is about before it begins, how it stands, and its marks at the end.
-import { CREW } from "./model/crew.js";
+import { CREW } from "./model/order-table.js";
 import { clock, html, one, write } from "./draw.js";
 
 /** @type {Record<string, string>} quantities of limits that have another name among people */
@@ -26,7 +26,7 @@ export function furnishBriefing(session) {
     write(one("#briefing-title"), session.exercise.title ?? "Free sailing");
     one("#briefing-text").replaceChildren(...text(session));
     const begins = session.state === "frozen" && session.seconds === 0;
-    ready.hidden = !begins || !CREW.includes(session.role);
+    ready.hidden = !begins || !session.may("ready");
     const why = session.outcome ? "end" : begins && session.exercise.title ? "begin" : "";
     if (why && shown !== `${why} ${session.exercise.title}` && !dialog.open) {
       shown = `${why} ${session.exercise.title}`;
@@ -54,11 +54,11 @@ export function furnishBriefing(session) {
 
 /** Returns the briefing, or how it ended. @param {Session} session */
 function text(session) {
-  const { exercise, told, outcome, marks } = session;
+  const { exercise, told, outcome, judgement } = session;
   const parts = [];
   if (outcome) parts.push(html("p", { class: "outcome" }, `The exercise is over: ${outcome}.`));
-  if (outcome && !marks.length) parts.push(html("p", {}, "The instructor has the marks first."));
-  parts.push(...marks.map((line) => html("p", {}, line)));
+  if (outcome && !judgement.marks) parts.push(html("p", {}, "The instructor has the marks first."));
+  parts.push(...judgement.lines.map((line) => html("p", {}, line)));
   parts.push(...(told.line ?? []).map((line) => html("p", {}, line)));
   const facts = [
     ["By hand", (exercise.hand ?? "").replaceAll(",", ", ")],

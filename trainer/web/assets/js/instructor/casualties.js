@@ -1,5 +1,6 @@
 // Casualties: what is broken, and what can be: found, preset by a click, given by a second one.
 import { clock, html, one, write } from "../draw.js";
+import { objectOf, wordOf } from "../model/orders.js";
 import { Timing } from "./timing.js";
 
 /**
@@ -15,8 +16,6 @@ import { Timing } from "./timing.js";
  */
 
 const SLOTS = 8;
-const SIDES = [["dive", "rise"], ["left", "right"], ["too little", "too much"]];
-const LISTED = /^(\S+) (-?[\d.]+) ramp ([\d.]+) +\((?:hole |reads )?([\d.e+-]+) (.*)\)$/;
 
 /** Fills the panel. @param {Desk} desk */
 export function showCasualties(desk) {
@@ -79,7 +78,7 @@ function showAhead(desk) {
 /** @param {Desk} desk @param {import("../model/told.js").Plan} plan */
 function aheadRow(desk, { number, seconds, when, text }) {
   const moment = Number.isNaN(seconds) ? `when ${when}` : `at ${clock(seconds)}`;
-  const words = text.replace(/^casualty /, "");
+  const words = wordOf(text) === "casualty" ? objectOf(text) : text;
   const click = () => void desk.give(`cancel ${number}`);
   const own = html("small", {}, "exercise");
   const key = html("button", { type: "button", "aria-label": `Take away ${words} ${moment}`, click }, "Take away");
@@ -122,7 +121,7 @@ class Chooser {
   /** Presets a casualty as its table has it. @param {Casualty} casualty */
   choose(casualty) {
     this.chosen = casualty;
-    this.degree = degreeOf(casualty.name, this.desk.session.degrees);
+    this.degree = degreeOf(this.desk.session.degrees.get(casualty.name));
     const { degree } = this;
     write(one("#chosen-name"), casualty.name);
     one("#chosen").hidden = false;
@@ -172,22 +171,13 @@ function field(selector) {
 }
 
 /**
- * Returns the degree of a casualty from its line in the listing, null where it has none.
- * @param {string} name
- * @param {string[]} listing
+ * Returns the usual degree of a casualty, null where it has no other.
+ * @param {string[] | undefined} fields name, severity, ramp, amount, unit, side, and the sides there are
  * @returns {Degree | null}
  */
-export function degreeOf(name, listing) {
-  const found = listing.map((line) => LISTED.exec(line)).find((each) => each?.[1] === name);
-  if (!found) return null;
-  const [severity, ramp, amount] = [found[2], found[3], found[4]].map(Number);
-  const side = SIDES.flat().find((word) => found[5].endsWith(word)) ?? "";
-  return {
-    severity,
-    ramp,
-    factor: amount / Math.abs(severity),
-    unit: found[5].replace(side, "").trim(),
-    sides: SIDES.find((pair) => pair.includes(side)) ?? [],
-    side,
-  };
+export function degreeOf(fields) {
+  if (!fields) return null;
+  const [severity, ramp, amount] = fields.slice(1, 4).map(Number);
+  const [unit, side, ...sides] = fields.slice(4);
+  return { severity, ramp, factor: amount / Math.abs(severity), unit, sides, side };
 }

@@ -4,7 +4,6 @@ import { askAboard, onArrival } from "./log.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
 
-const HOLDER = /^(.+) has command: /; // of a refusal to who has it not
 const OFFERED = 10_000; // [ms] in which the question can be answered
 
 /** Shows who has command where there are several instructors. @param {Desk} desk */
@@ -34,16 +33,13 @@ class CommandBar {
     this.timer = 0; // of the question that is asked now
   }
 
-  /** Finds out who has command; `keep command` changes nothing where nobody asks for it. */
+  /** Finds out who has command. */
   async look() {
     this.looked = true;
-    const { session } = this.desk;
     const stations = await askAboard(this.desk);
     this.several = stations.filter(({ role }) => role === "instructor").length > 1;
-    if (!this.asker) {
-      const answer = this.several ? await session.ask("keep command") : { text: "" };
-      this.holder = HOLDER.exec(answer.text)?.[1] ?? "";
-    }
+    const holder = stations.find(({ commands }) => commands);
+    if (!this.asker) this.holder = holder && !holder.own ? holder.line : "";
     this.draw();
   }
 

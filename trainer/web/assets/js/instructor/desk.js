@@ -24,7 +24,7 @@ export class Desk extends EventTarget {
    */
   async give(words) {
     const answer = await this.session.order(words);
-    if (answer.ok && answer.text) this.session.note("own", `instructor: ${words}: ${answer.text}`);
+    if (answer.ok && answer.text) this.session.note("own", `${words}: ${answer.text}`, "instructor");
     if (answer.lines.length >= LONG) {
       this.dispatchEvent(new CustomEvent("answer", { detail: { words, lines: answer.lines } }));
     }

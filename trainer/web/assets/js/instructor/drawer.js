@@ -1,7 +1,6 @@
 // What is needed now and then: the ledger, the stations with what they lost, marks, moments kept.
 import { clock, html, one } from "../draw.js";
 import { showBeside } from "./desk.js";
-import { askAboard } from "./log.js";
 import { valuesTable } from "./pictures.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
@@ -51,10 +50,10 @@ async function fill(desk) {
 
 /** Returns what a session with other stations has. @param {Desk} desk */
 async function sessionsOwn(desk) {
-  const stations = await askAboard(desk);
+  const { lines } = await desk.session.ask("who");
   return [
-    section("Stations", list(stations.map(({ says }) => says), "Nobody")),
-    section("Marks", list(desk.session.marks, "They come at the end.")),
+    section("Stations", list(lines, "Nobody")),
+    section("Marks", list(desk.session.judgement.lines, "They come at the end.")),
     section("Ledger", ledger(desk)),
   ];
 }

@@ -2,6 +2,7 @@
 import { clock, html, one, write } from "../draw.js";
 import { limitsInWords } from "../briefing.js";
 import { showBeside } from "./desk.js";
+import { objectOf } from "../model/orders.js";
 import { askAboard } from "./log.js";
 import { lapseTo } from "./time.js";
 
@@ -15,7 +16,6 @@ import { lapseTo } from "./time.js";
 const LOOKED = 2000; // [ms] between looks at who is aboard, before the start
 const WIDE = 1000; // [px] from which on the window leaves room beside it
 const BACK = "2 min"; // how far `again from` goes where no moment is looked at
-const AT = /\b(?:at|by) (\d+):(\d\d)(?:\.\d+)?/; // a time in the reason of a mark
 const OUTCOMES = { lost: "LOST", ended: "TIME IS UP" };
 
 /** Furnishes the window of the exercise. @param {Desk} desk @param {(seconds: number) => void} see */
@@ -34,7 +34,7 @@ export function furnishExercise(desk, see) {
     const { what, subject } = /** @type {CustomEvent} */ (event).detail;
     if (what === "debrief") pane.debriefed(subject, "");
     if (what === "debrief-page") pane.debriefed(pane.debrief, subject);
-    if (what === "ready") pane.draw();
+    if (what === "ready") void pane.lookRound();
     if (what === "back") pane.goBack();
   });
   setInterval(() => pane.tend(), LOOKED);
@@ -83,7 +83,7 @@ class ExerciseWindow {
     this.refusal = ""; // of the last order given at the end
     /** @type {string[]} */
     this.names = []; // of the exercises' files, as `next` tells them
-    /** @type {import("./log.js").Aboard[]} */
+    /** @type {import("../model/stations.js").Aboard[]} */
     this.stations = [];
     this.dialog.onclose = () => one("#open-exercise").setAttribute("aria-expanded", "false");
   }
@@ -192,9 +192,7 @@ class ExerciseWindow {
   aboard() {
     if (this.desk.session.alone) return [];
     const crew = this.stations.filter(({ role }) => role !== "instructor");
-    const log = this.desk.session.log.filter(({ kind }) => kind === "station");
-    const rows = crew.map(({ role, line }) => {
-      const ready = log.some(({ text }) => text.startsWith(`${role} at ${line} is ready`));
+    const rows = crew.map(({ role, line, ready }) => {
       return html("li", {}, html("b", {}, role), ` at ${line}: ${ready ? "ready" : "not ready yet"}`);
     });
     const none = html("li", {}, "No station. The exercise can be flown from here.");
@@ -241,12 +239,11 @@ class ExerciseWindow {
 
   end() {
     const { session } = this.desk;
-    const { outcome, marks } = session;
-    const won = marks[0]?.split(",")[0] ?? "";
-    const title = won === "won" ? "WON" : (OUTCOMES[/** @type {keyof typeof OUTCOMES} */ (outcome)] ?? "OVER");
-    const reasons = marks.slice(1).map((reason) => html("li", { class: "row" }, html("span", { class: "grow" }, reason), this.seeKey(reason)));
+    const { outcome, judgement } = session;
+    const title = judgement.outcome === "won" ? "WON" : (OUTCOMES[/** @type {keyof typeof OUTCOMES} */ (outcome)] ?? "OVER");
+    const reasons = judgement.reasons.map((reason) => html("li", { class: "row" }, html("span", { class: "grow" }, reason.text), this.seeKey(reason)));
     const body = [
-      html("p", { class: "big" }, marks[0] ?? "No marks yet."),
+      html("p", { class: "big" }, judgement.marks || "No marks yet."),
       html("ul", { class: "marks" }, ...reasons),
       html("h3", {}, "See"),
       html("div", { class: "row" }, ...this.moments()),
@@ -279,10 +276,9 @@ class ExerciseWindow {
     return html("p", { class: "path row" }, key, html("span", { class: "grow" }, debrief));
   }
 
-  /** Returns a key that looks at the time in a reason. @param {string} reason */
-  seeKey(reason) {
-    const found = AT.exec(reason);
-    return found && this.moment(Number(found[1]) * 60 + Number(found[2]), "See");
+  /** Returns a key that looks at the moment of a reason. @param {import("../model/judgement.js").Reason} reason */
+  seeKey({ seconds }) {
+    return seconds === null ? null : this.moment(seconds, "See");
   }
 
   /** @param {number} seconds @param {string} words */
@@ -299,7 +295,7 @@ class ExerciseWindow {
     const signs = session.kept.filter(({ sign }) => sign === "C" || sign === "M");
     const limits = session.log.filter(({ kind }) => kind === "watch");
     const found = [
-      ...signs.map(({ seconds, text }) => ({ seconds, words: text.replace("casualty ", "") })),
+      ...signs.map(({ seconds, sign, text }) => ({ seconds, words: sign === "C" ? objectOf(text) : text })),
       ...limits.map(({ seconds, text }) => ({ seconds, words: text.replace(/^.*?: | \[\d+\]$/g, "") })),
     ];
     found.sort((a, b) => a.seconds - b.seconds);

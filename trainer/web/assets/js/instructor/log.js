@@ -5,13 +5,11 @@ import { paced } from "./desk.js";
 /**
  * @typedef {import("./desk.js").Desk} Desk
  * @typedef {import("../model/session.js").Entry} Entry
+ * @typedef {import("../model/stations.js").Aboard} Aboard
  */
 
 const SHOWN = 150; // entries
 const PACE = 250; // [ms]
-const SPEAKER = /^(instructor|helm|planes|pilot|ballast|diving|observer|visitor)(?: at .+?)?: (.*)$/;
-const ASKED = /^instructor(?: at .+?)?: snapshots: /; // pages and consoles ask it by themselves
-const ABOARD = /^(\S+) at (.+?)(?:, called ([a-z0-9-]+))?: /;
 const CHOOSER = "chooser"; // what the first page is called: nobody is aboard by it
 
 /** Fills the log, newest first. @param {Desk} desk */
@@ -19,8 +17,7 @@ export function showLog({ session }) {
   const list = one("#log");
   const draw = paced(PACE, () => {
     const at = list.scrollTop;
-    const told = session.log.filter(({ text }) => !ASKED.test(text));
-    list.replaceChildren(...told.slice(-SHOWN).reverse().map(entryRow));
+    list.replaceChildren(...session.log.slice(-SHOWN).reverse().map(entryRow));
     list.scrollTop = at;
   });
   session.on("log", draw);
@@ -34,13 +31,8 @@ function entryRow(entry) {
 }
 
 /** Returns who has said or done something, and what. @param {Entry} entry */
-export function tellOf({ kind, text }) {
-  if (kind === "refused") return { who: "refused", words: text };
-  const marked = /^mark by ([^:]+?)(?: at .+?)?: (.*)$/.exec(text);
-  if (marked) return { who: marked[1], words: `mark: ${marked[2]}` };
-  if (/^\[[\d.]+ s\] /.test(text)) return { who: "schedule", words: text.replace(/^\[.*?\] /, "") };
-  const said = SPEAKER.exec(text);
-  return said ? { who: said[1], words: said[2] } : { who: kind, words: text };
+export function tellOf({ kind, text, speaker, words }) {
+  return speaker ? { who: speaker, words } : { who: kind, words: text };
 }
 
 /** Tells who is aboard whenever somebody comes or goes. @param {Desk} desk */
@@ -72,14 +64,9 @@ export function onArrival({ session }, call) {
   });
 }
 
-/** @typedef {{ role: string, line: string, says: string }} Aboard a station: its role, its line, its account */
-
 /** Asks who is aboard. @param {Desk} desk @returns {Promise<Aboard[]>} */
 export async function askAboard({ session }) {
-  const { lines } = await session.ask("who");
-  return lines.flatMap((says) => {
-    const found = ABOARD.exec(says);
-    if (!found || found[3] === CHOOSER) return [];
-    return [{ role: found[3] ?? found[1], line: found[2], says }];
-  });
+  await session.ask("who");
+  const stations = session.stations.all.filter(({ called }) => called !== CHOOSER);
+  return stations.map((each) => ({ ...each, role: each.called || each.role }));
 }

@@ -1,6 +1,7 @@
 // Time: its keys, and the time line, which looks back, watches again and takes over.
 import { html, one, write } from "../draw.js";
 import { lanes } from "../model/branches.js";
+import { wordOf } from "../model/orders.js";
 import { paced } from "./desk.js";
 
 /**
@@ -28,8 +29,8 @@ export function furnishTime(desk) {
   const show = () => {
     const stands = session.word("time.time") === "frozen";
     write(one("#freeze"), stands ? "Run" : "Freeze");
-    one("#freeze").toggleAttribute("disabled", session.state === "ended");
-    one("#step").toggleAttribute("disabled", session.state === "ended");
+    one("#freeze").toggleAttribute("disabled", !session.may(stands ? "run" : "freeze"));
+    one("#step").toggleAttribute("disabled", !session.may("step"));
     for (const key of keys) {
       key.setAttribute("aria-pressed", String(Number(key.dataset.pace) === session.pace));
     }
@@ -81,7 +82,7 @@ const asked = new Set();
 function planned({ plans }) {
   return plans
     .filter(({ seconds }) => !Number.isNaN(seconds))
-    .map(({ seconds, text }) => ({ seconds, sign: /^casualty /.test(text) ? "P" : "p", text }));
+    .map(({ seconds, text }) => ({ seconds, sign: wordOf(text) === "casualty" ? "P" : "p", text }));
 }
 
 /** Returns how long the line is [s]. @param {Desk} desk @param {{ to: number }[]} left */

@@ -10,8 +10,6 @@
 
 /** @type {Rank[]} the most urgent first */
 export const RANKS = ["emergency", "alarm", "warning", "caution"];
-/** Of the session's alerts, by their kind. @type {Record<string, Rank>} */
-const KINDS = { depth: "alarm", watch: "alarm", trouble: "warning", pilot: "warning" };
 const OFF = 3; // [deg] that a surface may be off its order
 const OFF_FOR = 3; // [s]
 const STEEP = 30; // [deg] of pitch
@@ -30,9 +28,9 @@ export class Alerts extends EventTarget {
 
   /** What is shown: by rank, new before seen, the newest first. */
   get shown() {
-    const told = [...this.session.alerts.values()].map((alert) => ({
+    const told = [...this.session.alerts.all.values()].map((alert) => ({
       key: `session-${alert.number}`,
-      rank: /beyond|collapse/.test(alert.words) ? RANKS[0] : (KINDS[alert.kind] ?? "warning"),
+      rank: alert.rank,
       words: alert.words,
       seconds: alert.seconds,
       fresh: !alert.seen,

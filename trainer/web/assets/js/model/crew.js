@@ -1,13 +1,6 @@
 // Orders to the crew that stand, and those that nobody has repeated yet.
-
-/** Whose an order is, by its axis; one in words (`tell`) is everybody's. */
-const ADDRESSED = {
-  course: ["helm", "pilot"],
-  speed: ["helm", "pilot"],
-  depth: ["planes", "pilot", "diving"],
-  pitch: ["planes", "pilot", "diving"],
-};
-export const CREW = ["helm", "planes", "pilot", "ballast", "diving", "scope"];
+import { ADDRESSED, CREW } from "./order-table.js";
+import { objectOf, wordOf } from "./orders.js";
 
 /** @typedef {{ seconds: number, axis: string, says: string }} CrewOrder */
 
@@ -23,7 +16,7 @@ export class CrewOrders {
 
   /** Whether a fact is one of these. @param {string} what */
   static takes(what) {
-    return ["crew-order", "repeated", "wrong-repeat", "belayed"].includes(what);
+    return ["crew-order", "own-order", "repeated", "wrong-repeat", "belayed"].includes(what);
   }
 
   /**
@@ -34,6 +27,7 @@ export class CrewOrders {
    */
   take(seconds, what, subject) {
     if (what === "crew-order") this.give(seconds, subject);
+    else if (what === "own-order") this.own.add(saysOf(subject));
     else if (what === "wrong-repeat") {
       const [said, order] = subject.split("; ");
       this.wrong = `${said}; ordered ${order}`;
@@ -46,7 +40,7 @@ export class CrewOrders {
   /** @param {number} seconds @param {string} subject */
   give(seconds, subject) {
     const axis = subject.split(" ")[0];
-    const says = axis === "tell" ? subject.slice(5) : subject;
+    const says = saysOf(subject);
     const before = this.waiting.get(axis);
     this.waiting.delete(axis);
     this.waiting.set(axis, { seconds: before?.says === says ? before.seconds : seconds, axis, says });
@@ -65,14 +59,13 @@ export class CrewOrders {
     const mine = [...this.waiting.values()].filter(
       ({ axis, says }) =>
         !this.own.has(says) &&
-        (ADDRESSED[/** @type {keyof typeof ADDRESSED} */ (axis)] ?? CREW).includes(role),
+        (ADDRESSED[axis] ?? CREW).includes(role),
     );
     return mine.at(-1);
   }
+}
 
-  /** Takes the answer to an order to the crew that this station has given. @param {string} answer */
-  gave(answer) {
-    const [, says] = /^(?:ordered|told): (.*)$/.exec(answer) ?? [];
-    if (says) this.own.add(says);
-  }
+/** Returns an order to the crew as people say it. @param {string} subject as a fact has it */
+function saysOf(subject) {
+  return wordOf(subject) === "tell" ? objectOf(subject) : subject;
 }

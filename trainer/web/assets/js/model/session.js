@@ -2,14 +2,18 @@
 import { partAt, shared, way } from "./branches.js";
 import { CrewOrders } from "./crew.js";
 import { History } from "./history.js";
+import { Judgement } from "./judgement.js";
+import { OpenAlerts } from "./open-alerts.js";
+import { ANEW } from "./order-table.js";
+import { mayGive, objectOf, wordOf } from "./orders.js";
 import { Readings, numbers } from "./readings.js";
-import { entryOf, laidIn, marksOf, plainly, planOf, signOf } from "./told.js";
+import { Stations } from "./stations.js";
+import { entryOf, laidIn, planOf, signOf } from "./told.js";
 import { Vessel } from "./vessel.js";
 
 const LATE = 15; // [s] of what instruments showed that a page may have missed and need not ask for
 const STALE = 2000; // [ms] without a tick, while time runs, after which readings are old
 const LINES = ["line", "wins", "lost"]; // keys of an exercise that come again and again
-const ANEW = ["reset", "restart", "again"]; // orders after which nothing of their moment stands
 const MOST = 500; // entries of the log
 const WATCH = 250; // [ms] between looks at whether readings have become old
 
@@ -17,8 +21,8 @@ const WATCH = 250; // [ms] between looks at whether readings have become old
  * @typedef {import("../protocol/line.js").Sentence} Sentence
  * @typedef {import("../protocol/link.js").Answer} Answer
  * @typedef {import("./readings.js").Reading} Reading
- * @typedef {{ seconds: number, kind: string, text: string }} Entry
- * @typedef {{ number: string, kind: string, words: string, seconds: number, seen: boolean }} Alert
+ * @typedef {{ seconds: number, kind: string, text: string, speaker: string, words: string }} Entry
+ *   something that happened; where somebody has said it, who (a role, `schedule`) and in which words
  * @typedef {{ seconds: number, sign: string, text: string }} Kept a sign on the time line
  * @typedef {{ number: number, parent: number, begun: number, last: number, why: string }} Branch
  * @typedef {{ name: string, degree: string, says: string }} Casualty
@@ -55,8 +59,7 @@ export class Session extends EventTarget {
     this.refusal = ""; // why the role is not given
     /** @type {Entry[]} */
     this.log = [];
-    /** @type {Map<string, Alert>} */
-    this.alerts = new Map();
+    this.alerts = new OpenAlerts();
     /** @type {Record<string, string>} */
     this.exercise = {};
     /** @type {Record<string, string[]>} */
@@ -75,11 +78,12 @@ export class Session extends EventTarget {
     this.casualties = [];
     /** @type {import("./told.js").Plan[]} */
     this.plans = [];
-    /** @type {string[]} their listing, which has degrees in their units */
-    this.degrees = [];
+    /** @type {Map<string, string[]>} their usual degrees, by their names */
+    this.degrees = new Map();
     this.outcome = "";
-    /** @type {string[]} */
-    this.marks = [];
+    this.judgement = new Judgement();
+    this.stations = new Stations();
+    this.saying = ""; // who says what comes next, and its words
     this.furthest = 0;
     this.over = false;
     this.tickAt = 0; // [ms] when the last reading came
@@ -116,6 +120,11 @@ export class Session extends EventTarget {
   /** Whether controls work: there is a line, the role is ours, and nobody replays. */
   get live() {
     return this.state === "running" || this.state === "frozen" || this.state === "ended";
+  }
+
+  /** Whether an order is obeyed of this role, as the session stands. @param {string} order */
+  may(order) {
+    return mayGive(order, this.role, this.state);
   }
 
   /** What is left of the exercise [s], null where it has no end. */
@@ -189,7 +198,7 @@ export class Session extends EventTarget {
   }
 
   async askCasualties() {
-    this.degrees = (await this.ask("casualties")).lines;
+    await this.ask("casualties");
     this.tell("line");
   }
 
@@ -234,8 +243,8 @@ export class Session extends EventTarget {
     const { kind, fields } = sentence;
     if (kind === "TRF" && fields[2] === "past") this.recall(fields[3]);
     else if (kind === "TRS" && this.past.has(fields[0])) this.keepPast(fields);
-    else if (kind === "TRE" && this.past.has("events")) this.earlier.push(entryOf(fields));
-    else if (kind === "TRE") this.happened(entryOf(fields));
+    else if (kind === "TRF" && fields[2] === "said") this.saying = fields[3];
+    else if (kind === "TRE") this.hearEntry(entryOf(fields, this.saying));
     else if (kind === "TRF") this.fact(Number(fields[1]), fields[2], fields[3] ?? "");
     else this.show(this.readings.take(sentence));
   }
@@ -275,7 +284,7 @@ export class Session extends EventTarget {
     this.past.delete(channel);
     if (channel === "events") {
       this.log = laidIn(this.log, this.earlier);
-      for (const entry of this.earlier.splice(0)) this.hearMarks(entry);
+      this.earlier = [];
       this.tell("log");
     } else {
       this.history.recall(channel, this.recalled.get(channel) ?? []);
@@ -293,58 +302,61 @@ export class Session extends EventTarget {
   }
 
   /** @param {Entry} entry */
-  happened(entry) {
-    this.log.push(entry);
-    if (this.log.length > MOST) this.log.shift();
-    this.hearMarks(entry);
-    this.tell("log");
-  }
-
-  /** Adds an entry of the page's own. @param {string} kind @param {string} text */
-  note(kind, text) {
-    this.happened({ seconds: this.seconds, kind, text });
+  hearEntry(entry) {
+    this.saying = "";
+    if (this.past.has("events")) this.earlier.push(entry);
+    else this.happened(entry);
   }
 
   /** @param {Entry} entry */
-  hearMarks({ kind, text }) {
-    if (kind !== "marks" && kind !== "exercise") return;
-    if (text.startsWith("marks: ")) this.marks = [text.slice(7)];
-    else if (text.startsWith("  ") && this.marks.length) this.marks.push(text.trim());
-    this.tell("marks");
+  happened(entry) {
+    this.log.push(entry);
+    if (this.log.length > MOST) this.log.shift();
+    this.tell("log");
   }
 
-  /** Takes the marks, where their words were told before this page came. @param {string} subject */
-  judge(subject) {
-    if (!this.marks.length) this.marks = [marksOf(subject)];
-    this.tell("marks");
+  /** Adds an entry of the page's own. @param {string} kind @param {string} words @param {string} [speaker] */
+  note(kind, words, speaker = "") {
+    this.happened({ seconds: this.seconds, kind, text: words, speaker, words });
   }
 
   /** @param {number} seconds @param {string} what @param {string} subject */
   fact(seconds, what, subject) {
     if (this.past.has("events")) {
-      this.sign(seconds, what, subject); // all else was told when this page came
+      if (Judgement.takes(what)) this.judge(what, subject);
+      else this.sign(seconds, what, subject); // all else was told when this page came
       return;
     }
     this.dispatchEvent(new CustomEvent("fact", { detail: { seconds, what, subject } }));
     if (CrewOrders.takes(what)) {
       this.crew.take(seconds, what, subject);
       this.tell("crew");
-    } else if (what === "alert" || what === "ack") this.alert(seconds, what, subject);
-    else if (what === "exercise" || what === "exercise-over") this.brief(what, subject);
+    } else if (OpenAlerts.takes(what)) {
+      this.alerts.take(seconds, what, subject);
+      this.tell("alerts");
+    } else if (what === "exercise" || what === "exercise-over") this.brief(what, subject);
     else if (what === "range") {
       this.vessel.take(subject);
       this.tell("ranges");
-    } else this.mark(seconds, what, subject);
+    } else if (Stations.takes(what)) this.stations.take(what, subject);
+    else if (Judgement.takes(what)) this.judge(what, subject);
+    else this.mark(seconds, what, subject);
+  }
+
+  /** @param {string} what @param {string} subject */
+  judge(what, subject) {
+    this.judgement.take(what, subject);
+    this.tell("marks");
   }
 
   /** @param {number} seconds @param {string} what @param {string} subject */
   mark(seconds, what, subject) {
     if (what === "back") this.goBack(seconds, subject);
-    else if (what === "order" && subject.startsWith("replay ")) this.setAside(seconds);
-    else if (what === "order" && subject.startsWith("snapshot ")) void this.ask("snapshots");
+    else if (what === "order" && wordOf(subject) === "replay") this.setAside(seconds);
+    else if (what === "order" && wordOf(subject) === "snapshot") void this.ask("snapshots");
     else if (what === "branch") this.branch(subject);
     else if (what === "casualty") this.offer(subject);
-    else if (what === "marks") this.judge(subject);
+    else if (what === "degree") this.degrees.set(subject.split(",")[0], subject.split(","));
     else if (what === "plans" || what === "planned") this.plan(what, subject);
     else if (what === "over") this.over = true;
     else this.sign(seconds, what, subject);
@@ -386,23 +398,10 @@ export class Session extends EventTarget {
     this.tell("line");
   }
 
-  /** @param {number} seconds @param {string} what @param {string} subject */
-  alert(seconds, what, subject) {
-    const [number, kind, ...words] = subject.split(",");
-    if (what === "alert") {
-      const said = plainly(words.join(","));
-      this.alerts.set(number, { number, kind, words: said, seconds, seen: false });
-    } else {
-      const alert = this.alerts.get(number);
-      if (alert) alert.seen = true;
-    }
-    this.tell("alerts");
-  }
-
   /** @param {string} what @param {string} subject */
   brief(what, subject) {
     if (what === "exercise-over") {
-      if (!this.outcome) this.marks = []; // else it is told once more
+      if (!this.outcome) this.judgement = new Judgement(); // else it is told once more
       this.outcome = subject || "ended";
     } else {
       const equals = subject.indexOf("=");
@@ -420,13 +419,13 @@ export class Session extends EventTarget {
     this.exercise = name ? { name } : {};
     this.told = {};
     this.kept = [];
-    this.marks = [];
+    this.judgement = new Judgement();
     this.outcome = "";
     this.furthest = 0;
     this.branches.clear();
     this.casualties = [];
     this.plans = [];
-    this.alerts.clear();
+    this.alerts = new OpenAlerts();
     this.history.left.clear();
     this.keptOf.clear();
   }
@@ -462,19 +461,17 @@ export class Session extends EventTarget {
 
   /** @param {number} seconds @param {string} order that has brought time there */
   goBack(seconds, order) {
-    const branch = Number(/^branch (\d+)$/.exec(order)?.[1] ?? 0);
+    const branch = wordOf(order) === "branch" ? Number(objectOf(order)) : 0;
     const from = branch ? shared(this.branches, branch, this.present) : seconds;
     this.setAside(from);
     const last = ANEW.includes(order) ? from - 0.001 : from;
     this.kept = this.kept.filter((each) => each.seconds <= last);
     if (branch) this.takeUp(branch, from);
     this.crew.goBack(seconds);
-    for (const [number, alert] of this.alerts) {
-      if (alert.seconds > seconds) this.alerts.delete(number);
-    }
+    this.alerts.goBack(seconds);
     this.setAside(seconds);
     this.outcome = "";
-    this.marks = [];
+    this.judgement = new Judgement();
     this.furthest = seconds;
     if (this.role === "instructor") {
       for (const words of ["snapshots", "branches"]) void this.ask(words);

@@ -1,6 +1,6 @@
-// What the session tells, taken apart: what happened, an order that is ahead, the marks.
+// What the session tells, taken apart: what happened, an order that is ahead.
+import { movesBoat, wordOf } from "./orders.js";
 
-const OF_TIME = /^(freeze|run|step|time|replay|take|quit|in|at|when|cancel|snapshots?)\b/; // no signs
 const NEAR = 1; // [s] between a page's clock and the session's, when the page notes what it has done
 
 /**
@@ -18,21 +18,21 @@ export function planOf(subject) {
 export function signOf(what, subject) {
   if (what === "mark") return "M";
   if (what === "snapshot") return "S";
-  if (what !== "order" || OF_TIME.test(subject)) return "";
-  if (subject.startsWith("casualty ")) return "C";
-  return subject.startsWith("clear ") ? "c" : "o";
+  if (what !== "order" || !movesBoat(subject)) return "";
+  const word = wordOf(subject);
+  if (word === "casualty") return "C";
+  return word === "clear" ? "c" : "o";
 }
 
-/** Returns marks as they are told in words. @param {string} subject outcome and total */
-export function marksOf(subject) {
-  const [outcome, total] = subject.split(",");
-  const marks = total ? `${Math.round(Number(total))} marks of 100` : "no marks";
-  return outcome ? `${outcome}, ${marks}` : marks;
-}
-
-/** Returns something that happened, as a log has it. @param {string[]} fields @returns {import("./session.js").Entry} */
-export function entryOf([, seconds, kind, text]) {
-  return { seconds: Number(seconds), kind, text: plainly(text) };
+/**
+ * Returns something that happened, as a log has it.
+ * @param {string[]} fields
+ * @param {string} saying who has said it, and after a comma the words, "" where nobody has
+ * @returns {import("./session.js").Entry}
+ */
+export function entryOf([, seconds, kind, text], saying) {
+  const [speaker, ...words] = saying.split(",");
+  return { seconds: Number(seconds), kind, text: plainly(text), speaker, words: words.join(",") };
 }
 
 /** Returns what is told as people say it: its time stands beside it. @param {string} text */
@@ -60,10 +60,10 @@ export function laidIn(log, earlier) {
 
 /** @param {import("./session.js").Entry} one @param {import("./session.js").Entry} other */
 function same(one, other) {
-  return Math.abs(one.seconds - other.seconds) <= NEAR && said(one.text) === said(other.text);
+  return Math.abs(one.seconds - other.seconds) <= NEAR && said(one) === said(other);
 }
 
-/** Returns a text without the line of who has said it. @param {string} text */
-function said(text) {
-  return text.replace(/^(mark by \w+|\w+) at .+?: /, "$1: ");
+/** Returns an entry without the line of who has said it. @param {import("./session.js").Entry} entry */
+function said({ speaker, words, text }) {
+  return speaker ? `${speaker}: ${words}` : text;
 }

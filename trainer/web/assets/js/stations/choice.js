@@ -7,7 +7,6 @@ import { Link } from "../protocol/link.js";
 
 /** @typedef {import("../protocol/line.js").Sentence} Sentence */
 
-const ABOARD = /^(\S+) at .+?(?:, called ([a-z0-9-]+))?: \d+ orders/;
 const OWN = "chooser"; // what this page is called in the list
 const PACE = 500; // [ms] between looks at who is aboard
 
@@ -15,6 +14,8 @@ const link = new Link(document.documentElement.dataset.version ?? "");
 const readings = new Readings();
 /** @type {Record<string, string>} */
 const exercise = {};
+/** @type {string[]} who is here: names, else roles */
+let aboard = [];
 let over = "";
 
 furnishPalette();
@@ -56,8 +57,16 @@ function hear(sentence) {
   else if (kind === "TRF" && fields[2] === "exercise") learn(fields[3] ?? "");
   else if (kind === "TRF" && fields[2] === "exercise-over") over = fields[3] || "ended";
   else if (kind === "TRF" && fields[2] === "back") over = "";
+  else if (kind === "TRF" && fields[2] === "stations") aboard = [];
+  else if (kind === "TRF" && fields[2] === "aboard") aboard.push(known(fields[3]));
   else if (kind === "TRE" && fields[2] === "station") look();
   showExercise();
+}
+
+/** Returns what a station is called here. @param {string} told role, name and more */
+function known(told) {
+  const [role, name] = told.split(",");
+  return name || role;
 }
 
 /** @param {string} told a key of the exercise and its value */
@@ -101,13 +110,12 @@ const look = paced(PACE, () => void lookRound());
 
 /** Shows how many are aboard at each station. */
 async function lookRound() {
-  const { ok, lines } = await link.order("who");
+  const { ok } = await link.order("who");
   if (!ok) return;
-  const aboard = lines.flatMap((line) => ABOARD.exec(line)?.slice(1, 3).reverse().find(Boolean) ?? []);
   for (const key of keys()) {
     const { name = "", role = "" } = key.dataset;
-    const known = document.querySelectorAll(`[data-role="${role}"]`).length > 1 ? name : role;
-    const count = aboard.filter((each) => each === known).length;
+    const wanted = document.querySelectorAll(`[data-role="${role}"]`).length > 1 ? name : role;
+    const count = aboard.filter((each) => each === wanted).length;
     key.toggleAttribute("data-taken", count > 0);
     write(one("small", key), count ? `${count} aboard` : "free");
   }

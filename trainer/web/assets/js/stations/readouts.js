@@ -1,5 +1,6 @@
 // Readings as digits, and what was answered to the last order.
 import { bearing, one, sided, write } from "../draw.js";
+import { movesBoat } from "../model/orders.js";
 
 const BETWEEN = 480; // [ms] between changes of digits, so that they can be read
 
@@ -51,9 +52,8 @@ export function giver(session) {
   const line = one("#answer");
   return async (/** @type {string} */ words) => {
     const answer = await session.order(words);
-    if (answer.ok) session.crew.gave(answer.text);
     session.tell("crew");
-    const later = session.state === "frozen" && !words.startsWith("mark ") ? ": acts when time runs" : "";
+    const later = session.state === "frozen" && movesBoat(words) ? ": acts when time runs" : "";
     const told = [`${words}: ${answer.text}`, ...(answer.lines.length === 1 ? answer.lines : [])].join("; ");
     line.toggleAttribute("data-refused", !answer.ok);
     write(line, answer.ok ? `${told}${later}` : `Refused: ${told}`);

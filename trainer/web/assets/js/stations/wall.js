@@ -62,10 +62,10 @@ function showOrders() {
 /** Shows the title that the crew knows, and the marks once they are released. */
 function showExercise() {
   write(one("#exercise"), session.exercise.title || "Free sailing");
-  const { marks, outcome } = session;
+  const { judgement, outcome } = session;
   const panel = one("#marks");
-  panel.toggleAttribute("hidden", !outcome || !marks.length);
-  const [total = "", ...reasons] = marks;
+  panel.toggleAttribute("hidden", !outcome || !judgement.marks);
+  const [total = "", ...reasons] = judgement.lines;
   panel.replaceChildren(
     html("h2", {}, total),
     html("ul", {}, ...reasons.map((each) => html("li", {}, each))),

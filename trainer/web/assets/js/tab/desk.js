@@ -205,8 +205,9 @@ export class Desk {
   }
 
   listing() {
-    return this.boat.casualties.flatMap(({ name, degree, says, told }) => {
+    return this.boat.casualties.flatMap(({ name, degree, says, told, usual }) => {
       this.tellFact("casualty", `${name},${degree},${says}`);
+      if (usual) this.tellFact("degree", usual);
       return [`${name} ${degree}`.trim() + (told ? `    (${told})` : ""), `    ${says}`];
     });
   }

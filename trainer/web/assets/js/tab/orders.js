@@ -7,7 +7,7 @@ import { describe } from "./readings.js";
  * @typedef {import("./grammar.js").Order} Order
  * @typedef {{ name: string, kind: string, code: number, severity: number, ramp: number, clear: number,
  *   says: string, full: number, limit: number | null, low: number, high: number, sudden: boolean,
- *   degree: string, told: string }} Casualty
+ *   degree: string, told: string, usual: string }} Casualty
  * @typedef {{ orders: string[], casualties: Casualty[], calms: Record<string, [number, number]>,
  *   ramp_s: number }} Table
  */

@@ -1,0 +1,143 @@
+"""Recordings of format 1, where givers, causes and repeats stand in English words alone.
+
+Here alone are those words understood. A file that is gone on with is brought to the format of
+today; one that is looked at is left as it is.
+"""
+
+import itertools
+import re
+import sqlite3
+from collections.abc import Callable
+from typing import Any, Final
+
+from trainer.io.recording.facts import (
+    GUARD,
+    NO_CREW_FACT,
+    REFERENCE_CREW,
+    SCHEDULE,
+    BranchCause,
+    CrewFact,
+    CrewNews,
+    Giver,
+    GiverKind,
+    meeting,
+    plan_of,
+)
+
+TABLES: Final = """CREATE TABLE branches (
+    id INTEGER PRIMARY KEY, parent INTEGER REFERENCES branches, tick INTEGER NOT NULL,
+    after INTEGER NOT NULL, place INTEGER NOT NULL, why TEXT NOT NULL, state BLOB NOT NULL,
+    wall TEXT NOT NULL
+);
+CREATE TABLE orders (
+    id INTEGER PRIMARY KEY, branch INTEGER NOT NULL, tick INTEGER NOT NULL, who TEXT NOT NULL,
+    text TEXT NOT NULL, place INTEGER, accepted INTEGER, answer TEXT NOT NULL DEFAULT '',
+    wall TEXT NOT NULL
+);
+CREATE INDEX orders_by_tick ON orders (branch, tick, place);
+CREATE TABLE events (
+    id INTEGER PRIMARY KEY, branch INTEGER NOT NULL, tick INTEGER NOT NULL, kind TEXT NOT NULL,
+    who TEXT NOT NULL, text TEXT NOT NULL, wall TEXT NOT NULL
+);
+"""
+PLANNED: Final = re.compile(r"(instructor) at plan (\d{1,9})")
+MEETING: Final = re.compile(r"(\w+) meeting her")
+LOST: Final = "not recorded"  # begins why a branch was begun after a gap
+ORDERED: Final = "ordered: "
+WRONG_REPEAT: Final = re.compile("WRONG REPEAT: .*?; ordered is (.*)", re.DOTALL)
+REPEATED: Final = " aye"
+TELL: Final = "tell "
+NAMED: Final = {str(giver): giver for giver in (SCHEDULE, GUARD, REFERENCE_CREW)}
+
+
+Row = tuple[Any, ...]
+
+
+def giver_of(who: str) -> Giver:
+    """Return who gave an order, from how the journal names him."""
+    if who in NAMED:
+        return NAMED[who]
+    if planned := PLANNED.fullmatch(who):
+        return plan_of(planned[1], int(planned[2]))
+    if met := MEETING.fullmatch(who):
+        return meeting(met[1])
+    return Giver(GiverKind.STATION, who.partition(" at ")[0], who)
+
+
+def crew_fact_of(text: str, answer: str, *, accepted: bool | None) -> CrewFact:
+    """Return what an order meant to the crew, from its words and its answer."""
+    name = text.partition(" ")[0]
+    if accepted is False:
+        return NO_CREW_FACT
+    if name == "tell":
+        return CrewFact(CrewNews.ORDERED, text.removeprefix(TELL))
+    if name == "order":
+        ordered = answer.startswith(ORDERED)
+        return CrewFact(CrewNews.ORDERED, answer.removeprefix(ORDERED)) if ordered else NO_CREW_FACT
+    if text != "aye" and not text.endswith(REPEATED):
+        return NO_CREW_FACT
+    if wrong := WRONG_REPEAT.fullmatch(answer):
+        return CrewFact(CrewNews.WRONG_REPEAT, wrong[1].removeprefix(TELL))
+    return CrewFact(CrewNews.REPEATED, answer.removesuffix(REPEATED).removeprefix(TELL))
+
+
+def cause_of(parent: int | None, why: str) -> BranchCause:
+    """Return the cause of a branch, from why it was begun."""
+    if parent is None:
+        return BranchCause.START
+    return BranchCause.GAP if why.startswith(LOST) else BranchCause.JUMP
+
+
+def upgrade(connection: sqlite3.Connection, schema: str) -> None:
+    """Bring a file to the format of today, whose tables ``schema`` makes, all or nothing.
+
+    Tables are made anew: a column that is added later would not stand where a new file has it.
+    """
+    script = f"""
+    BEGIN IMMEDIATE;
+    ALTER TABLE orders RENAME TO orders_1;
+    ALTER TABLE branches RENAME TO branches_1;
+    ALTER TABLE events RENAME TO events_1;
+    DROP INDEX orders_by_tick;
+    {schema}
+    """
+    try:
+        connection.executescript(script)
+        _copy(connection, "branches", _branch_added)
+        _copy(connection, "orders", _order_added)
+        _copy(connection, "events", _event_added)
+        for table in ("branches", "orders", "events"):
+            connection.execute(f"DROP TABLE {table}_1")
+        connection.execute("PRAGMA user_version = 2")
+        connection.execute("COMMIT")
+    except BaseException:
+        if connection.in_transaction:
+            connection.execute("ROLLBACK")
+        raise
+
+
+def _copy(connection: sqlite3.Connection, table: str, added: Callable[[Row], Row]) -> None:
+    """Copy a table with what stands in its words added."""
+    whole = (row + added(row) for row in connection.execute(f"SELECT * FROM {table}_1 ORDER BY id"))  # noqa: S608 our own
+    first = next(whole, None)
+    if first is None:
+        return
+    places = ", ".join("?" * len(first))
+    insert = f"INSERT INTO {table} VALUES ({places})"  # noqa: S608 our own
+    connection.executemany(insert, itertools.chain([first], whole))
+
+
+def _branch_added(row: Row) -> Row:
+    parent, why = row[1], row[5]
+    return (cause_of(parent, why).value,)
+
+
+def _order_added(row: Row) -> Row:
+    who, text, accepted, answer = row[3], row[4], row[6], row[7]
+    giver = giver_of(who)
+    fact = crew_fact_of(text, answer, accepted=accepted is None or bool(accepted))
+    return giver.kind.value, giver.role, giver.plan, fact.news.value, fact.order
+
+
+def _event_added(row: Row) -> Row:
+    return (giver_of(row[4]).role,)
