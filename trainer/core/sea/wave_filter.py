@@ -169,6 +169,7 @@ FORCE_ROWS: Final = np.ascontiguousarray(np.swapaxes(_FORCE, 2, 3))
 # By bank and depth: the wave number of the waves left there over the peak's, the integral of
 # x^6 S exp(-2 kappa x^2) over that of x^4. It is taken for all waves: estimate. At the
 # surface it is cut at x = 3.5, as the row is.
+FLAT, PEAKED = 0, 1  # banks
 LENGTHS: Final = _read(
     """
     4.914292250681751 3.724495428468583 2.308548658766213 1.666898842053118
